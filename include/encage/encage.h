@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Run-time side of Encage. The offline side is <encage/bake.h>.
+
+#include <encage/asset.h>
+#include <encage/broadphase.h>
+#include <encage/cage.h>
+#include <encage/error.h>
+#include <encage/mesh.h>
+#include <encage/version.h>
