@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/mesh.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cagegen/collapse/obstacle.h"
+#include "cagegen/collapse/qp3.h"
+#include "cagegen/collapse/triangle_tree.h"
+
+namespace encage::collapse {
+
+struct EditorOptions {
+  double clearance = 0;       ///< to the obstacle and to itself, length
+  bool keep_cones = true;     ///< every vertex keeps a direction that all its triangles face
+  double quadric_weight = 1;  ///< of the quadric error against the added volume
+};
+
+/// Where a vertex may go, and what that costs (volume).
+struct Placement {
+  Point position;
+  double cost = 0;
+};
+
+/// A cage being edited: a closed, embedded manifold around an obstacle that it never touches. Every
+/// edit keeps that: it is planned first, against obstacle and cage, then applied. Vertices are
+/// exactly representable in float32 all the time.
+class CageEditor {
+ public:
+  /// `cage` must be closed, oriented, embedded and clear of the obstacle; kept by reference: obstacle.
+  CageEditor(const Obstacle& obstacle, const TriangleMesh& cage, const EditorOptions& options);
+
+  std::int64_t face_count() const { return face_count_; }
+  std::int32_t vertex_capacity() const { return static_cast<std::int32_t>(position_.size()); }
+  bool alive(std::int32_t vertex) const { return !incident_[vertex].empty(); }
+  const Point& position(std::int32_t vertex) const { return position_[vertex]; }
+  void neighbours(std::int32_t vertex, std::vector<std::int32_t>& found) const;
+  void set_options(const EditorOptions& options) { options_ = options; }
+  const EditorOptions& options() const { return options_; }
+
+  /// Cost of merging the ends of an edge as far as the cage alone tells; a cheap lower estimate.
+  double estimate_collapse(std::int32_t u, std::int32_t v) const;
+  /// Plans merging u and v into one vertex; no value if it cannot be done.
+  std::optional<Placement> plan_collapse(std::int32_t u, std::int32_t v);
+  /// Merges v into u at a planned position.
+  void apply_collapse(std::int32_t u, std::int32_t v, const Point& position);
+
+  /// Plans the move of a vertex that encloses less volume. `reach` limits its length.
+  std::optional<Placement> plan_tightening(std::int32_t vertex, double reach);
+  void apply_move(std::int32_t vertex, const Point& position);
+
+  /// The cage with unused vertices dropped, in a fixed order.
+  TriangleMesh extract() const;
+
+ private:
+  struct RingEdge {
+    std::int32_t a;
+    std::int32_t b;
+    std::int32_t triangle;  ///< takes the corners (p, a, b)
+  };
+  /// One vertex p fanned to ring edges, in place of the triangles of a patch.
+  struct Patch {
+    std::vector<RingEdge> ring;
+    std::vector<std::int32_t> old_triangles;
+    std::array<std::int32_t, 2> moved{-1, -1};  ///< the vertices that p replaces
+    int moved_count = 0;
+  };
+  struct Objective {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+    Point vector = Point::Zero();
+    Point centre = Point::Zero();  ///< the problem is stated relative to it
+    double constant = 0;
+    double cost(const Point& p) const;
+  };
+
+  bool make_collapse_patch(std::int32_t u, std::int32_t v, Patch& patch) const;
+  void make_vertex_patch(std::int32_t vertex, Patch& patch) const;
+  Objective objective(const Patch& patch, double quadric_weight) const;
+  std::optional<Point> place(const Patch& patch, const Eigen::Matrix3d& a, const Point& b, const Point& centre);
+  bool acceptable(const Patch& patch, const Point& p) const;
+  bool well_shaped(const Patch& patch, const Point& p) const;
+  bool cones_hold(const Patch& patch, const Point& p) const;
+  bool clear_of_itself(const Patch& patch, const Point& p) const;
+  bool keeps_representatives(const Patch& patch, const Point& p) const;
+  Corners corners(std::int32_t t) const {
+    return {position_[triangle_[t][0]], position_[triangle_[t][1]], position_[triangle_[t][2]]};
+  }
+  void rebuild_tree();
+
+  const Obstacle& obstacle_;
+  EditorOptions options_;
+  std::vector<Point> position_;
+  std::vector<std::array<std::int32_t, 3>> triangle_;  ///< first corner -1: removed
+  std::vector<std::vector<std::int32_t>> incident_;    ///< triangles of each vertex
+  std::int64_t face_count_ = 0;
+  TriangleTree tree_;
+  std::int64_t built_for_ = 0;
+  std::int64_t edits_ = 0;
+  double rounding_ = 0;  ///< of a vertex to float32
+  mutable std::vector<std::int32_t> mark_;
+  mutable std::int32_t stamp_ = 0;
+};
+
+Point round_to_float(const Point& p);
+
+}  // namespace encage::collapse

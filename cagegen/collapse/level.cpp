@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/collapse/level.h"
+
+#include <encage/error.h>
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "cagegen/collapse/cage_editor.h"
+#include "cagegen/collapse/collapse.h"
+#include "cagegen/collapse/shrink.h"
+#include "cagegen/collapse/starts.h"
+
+namespace encage::collapse {
+
+namespace {
+
+// Decided by experiment on octopus, fandisk, elephant and armadillo.
+constexpr double kQuadricWeight = 10;
+constexpr double kOffset = 2e-4;         // height of an offset start, diagonals
+constexpr double kWrapOffset = 1.0 / 12;  // of the wrap's alpha
+constexpr std::uint64_t kWorkPerLevel = 2'000'000'000;  // triangle tests of one candidate
+constexpr double kExplosion = 20;        // a candidate may grow to so many times its start
+
+struct Start {
+  enum class Kind { decimate, wrap, hull } kind;
+  double parameter = 0;  ///< faces relative to the target, or diagonals relative to alpha
+};
+
+using Phase = std::vector<Start>;
+
+/// What to try: all starts of a phase compete; the next phase only runs if none came through.
+std::vector<Phase> portfolio(const LevelRequest& request) {
+  using Kind = Start::Kind;
+  const bool decimates = request.manifold && request.topology != Topology::simplify;
+  std::vector<Phase> phases;
+  if (request.hull_only) return {{{Kind::hull, 0}}};
+  const auto add = [&](Phase decimations, Phase wraps) {
+    Phase phase;
+    if (decimates) phase = std::move(decimations);
+    if (request.topology != Topology::keep) phase.insert(phase.end(), wraps.begin(), wraps.end());
+    if (!phase.empty()) phases.push_back(std::move(phase));
+  };
+  if (request.faces >= 1500) {
+    add({{Kind::decimate, 3}}, decimates ? Phase{} : Phase{{Kind::wrap, request.faces >= 4000 ? 100.0 : 50.0}});
+    add({{Kind::decimate, 1.5}}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
+  } else if (request.faces >= 300) {
+    add({{Kind::decimate, 4}}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
+    add({{Kind::decimate, 1.5}}, {{Kind::wrap, 10}, {Kind::wrap, 5}});
+  } else {
+    add({{Kind::decimate, 8}}, {{Kind::wrap, 20}, {Kind::wrap, 10}, {Kind::wrap, 5}});
+    add({{Kind::decimate, 2}}, {{Kind::wrap, 50}});
+  }
+  if (request.topology != Topology::keep) phases.push_back({{Kind::hull, 0}});
+  return phases;
+}
+
+std::string name(const Start& start) {
+  switch (start.kind) {
+    case Start::Kind::decimate: return "decimate";
+    case Start::Kind::wrap: return "wrap/" + std::to_string(static_cast<int>(start.parameter));
+    case Start::Kind::hull: return "hull";
+  }
+  return {};
+}
+
+std::optional<TriangleMesh> make_start(const Start& start, const Obstacle& obstacle, const LevelRequest& request) {
+  const TriangleMesh& clean = *request.clean;
+  switch (start.kind) {
+    case Start::Kind::decimate: {
+      const double height = kOffset * request.diagonal;
+      const auto faces = static_cast<std::int64_t>(start.parameter * static_cast<double>(request.faces));
+      if (faces < clean.triangles.rows()) {
+        auto cage = offset_start(obstacle, simplify(clean, faces), height, true, request.clearance);
+        if (cage) return cage;
+      }
+      if (clean.triangles.rows() > 2 * faces) return std::nullopt;
+      auto cage = offset_start(obstacle, clean, height / 2, false, request.clearance);
+      return cage ? cage : offset_start(obstacle, clean, height, true, request.clearance);
+    }
+    case Start::Kind::wrap: {
+      const double alpha = request.diagonal / start.parameter;
+      return wrap_start(obstacle, clean, alpha, alpha * kWrapOffset, request.clearance);
+    }
+    case Start::Kind::hull: return hull_start(obstacle, clean, request.clearance);
+  }
+  return std::nullopt;
+}
+
+EditorOptions editor_options(const LevelRequest& request) {
+  EditorOptions options;
+  options.clearance = request.clearance;
+  options.quadric_weight = kQuadricWeight;
+  return options;
+}
+
+std::optional<Candidate> run(const Start& start, const Obstacle& obstacle, const LevelRequest& request,
+                             Control& control, const std::function<void(double)>& progress) {
+  auto cage = make_start(start, obstacle, request);
+  if (!cage || outermost_components(*cage).triangles.rows() != cage->triangles.rows()) return std::nullopt;
+  const double volume = signed_volume(*cage);
+  CageEditor editor(obstacle, *cage, editor_options(request));
+  CollapseLimits limits;
+  limits.faces = request.faces;
+  limits.added_volume = kExplosion * volume;
+  limits.work = kWorkPerLevel;
+  limits.progress = [&](double fraction) {
+    if (control.cancelled()) throw Cancelled();
+    progress(fraction);
+  };
+  limits.progress(0);
+  if (editor.face_count() > request.faces) tighten(editor);
+  bool reached = collapse_edges(editor, limits);
+  if (!reached && start.kind != Start::Kind::hull) {
+    // Flat sheets have vertices without a cone of outward directions; there the condition must go.
+    EditorOptions options = editor.options();
+    options.keep_cones = false;
+    editor.set_options(options);
+    reached = collapse_edges(editor, limits);
+  }
+  if (!reached && start.kind != Start::Kind::hull) return std::nullopt;
+  tighten(editor);
+  Candidate candidate{editor.extract(), 0, name(start)};
+  candidate.volume = signed_volume(candidate.cage);
+  return candidate;
+}
+
+/// Runs the starts of a phase, as many at a time as there are threads; results in order of the phase.
+std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, const LevelRequest& request,
+                               Control& control) {
+  std::vector<std::optional<Candidate>> results(phase.size());
+  std::vector<std::exception_ptr> errors(phase.size());
+  std::vector<double> fractions(phase.size(), 0.0);
+  std::mutex mutex;
+  std::size_t next = 0;
+  const auto work = [&] {
+    for (;;) {
+      std::size_t i = 0;
+      {
+        const std::lock_guard lock(mutex);
+        if (next == phase.size()) return;
+        i = next++;
+      }
+      // Out of time: whoever comes later is left out, as long as somebody came before.
+      if (i > 0 && control.expired()) continue;
+      try {
+        results[i] = run(phase[i], obstacle, request, control, [&](double fraction) {
+          const std::lock_guard lock(mutex);
+          fractions[i] = fraction;
+          double sum = 0;
+          for (const double f : fractions) sum += f;
+          control.fraction = sum / static_cast<double>(fractions.size());
+        });
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int t = 1; t < std::min(request.threads, static_cast<int>(phase.size())); ++t) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < phase.size(); ++i) {
+    if (errors[i]) std::rethrow_exception(errors[i]);
+    if (results[i]) candidates.push_back(std::move(*results[i]));
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
+  return candidates;
+}
+
+Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request,
+                 Control& control) {
+  CageEditor editor(obstacle, candidate.cage, editor_options(request));
+  EditorOptions options = editor.options();
+  options.keep_cones = false;  // no level is collapsed from this one: the next starts around it
+  editor.set_options(options);
+  for (int sweep = 0; sweep < 2; ++sweep) tighten(editor);
+  Candidate finished{shrink(obstacle, editor.extract(), request.clearance, request.threads,
+                            [&] {
+                              if (control.cancelled()) throw Cancelled();
+                            }),
+                     0, candidate.start};
+  CageEditor last(obstacle, finished.cage, options);
+  for (int sweep = 0; sweep < 2; ++sweep) tighten(last);
+  finished.cage = last.extract();
+  finished.volume = signed_volume(finished.cage);
+  return finished;
+}
+
+}  // namespace
+
+Candidate build_level(const Obstacle& obstacle, const LevelRequest& request, Control& control,
+                      const std::function<bool(const Candidate&)>& accept) {
+  for (const Phase& phase : portfolio(request)) {
+    for (const Candidate& candidate : compete(phase, obstacle, request, control)) {
+      const Candidate finished = finish(candidate, obstacle, request, control);
+      if (accept(finished)) return finished;
+      if (accept(candidate)) return candidate;
+    }
+  }
+  throw Error("no cage of " + std::to_string(request.faces) + " faces keeps the topology of the level before");
+}
+
+}  // namespace encage::collapse

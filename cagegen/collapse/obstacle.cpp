@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/collapse/obstacle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace encage::collapse {
+
+namespace {
+
+// Rounding in BoxFilter, relative to the largest coordinate: six products and their sums in float,
+// each off by at most 2^-24 of a partial sum below 2 sqrt(3).
+constexpr double kFilterSlack = 1.5e-6;
+
+// Distance from the edge at which a triangle is lifted in full, in lifts.
+constexpr double kFullLift = 20;
+
+/// A convex polygon of at most eight corners, cut in place.
+struct Polygon {
+  std::array<Point, 10> corner;
+  int count = 0;
+
+  /// Keeps the part where normal . x <= offset.
+  void cut(const Point& normal, double offset) {
+    Polygon kept;
+    for (int i = 0; i < count; ++i) {
+      const Point& p = corner[i];
+      const Point& q = corner[(i + 1) % count];
+      const double fp = normal.dot(p) - offset;
+      const double fq = normal.dot(q) - offset;
+      if (fp <= 0) kept.corner[kept.count++] = p;
+      if ((fp < 0 && fq > 0) || (fp > 0 && fq < 0)) kept.corner[kept.count++] = p + fp / (fp - fq) * (q - p);
+    }
+    *this = kept;
+  }
+};
+
+}  // namespace
+
+BoxFilter::BoxFilter(const Eigen::AlignedBox3d& box, double magnitude) : slack_(kFilterSlack * magnitude) {
+  for (int axis = 0; axis < 3; ++axis) {
+    low_[axis] = static_cast<float>(box.min()[axis] - slack_);
+    high_[axis] = static_cast<float>(box.max()[axis] + slack_);
+  }
+}
+
+void BoxFilter::below(const Point& normal, double offset) { set_below(count_++, normal, offset); }
+
+void BoxFilter::set_below(int index, const Point& normal, double offset) {
+  Plane& plane = planes_[index];
+  for (int axis = 0; axis < 3; ++axis) {
+    plane.normal[axis] = static_cast<float>(normal[axis] / 2);
+    plane.reach[axis] = std::abs(plane.normal[axis]);
+  }
+  plane.offset = static_cast<float>(offset + slack_ * std::max(1.0, normal.norm()));
+}
+
+Float4 BoxFilter::Plane::least(const Float4 (&sum)[3], const Float4 (&size)[3]) const {
+  Float4 value = Float4::broadcast(normal[0]) * sum[0] - Float4::broadcast(reach[0]) * size[0];
+  for (int axis = 1; axis < 3; ++axis) {
+    value = value + Float4::broadcast(normal[axis]) * sum[axis];
+    value = value - Float4::broadcast(reach[axis]) * size[axis];
+  }
+  return value;
+}
+
+Mask4 BoxFilter::operator()(const Float4 (&low)[3], const Float4 (&high)[3]) const {
+  Mask4 accepted = (low[0] <= Float4::broadcast(high_[0])) & (Float4::broadcast(low_[0]) <= high[0]);
+  for (int axis = 1; axis < 3; ++axis) {
+    accepted = accepted & (low[axis] <= Float4::broadcast(high_[axis]));
+    accepted = accepted & (Float4::broadcast(low_[axis]) <= high[axis]);
+  }
+  if (!accepted.any()) return accepted;
+  const Float4 sum[3] = {low[0] + high[0], low[1] + high[1], low[2] + high[2]};
+  const Float4 size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  for (int i = 0; i < count_; ++i) {
+    accepted = accepted & (planes_[i].least(sum, size) <= Float4::broadcast(planes_[i].offset));
+  }
+  return accepted;
+}
+
+Float4 BoxFilter::depth(const Float4 (&low)[3], const Float4 (&high)[3]) const {
+  const Float4 sum[3] = {low[0] + high[0], low[1] + high[1], low[2] + high[2]};
+  const Float4 size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  return Float4::broadcast(planes_[0].offset) - planes_[0].least(sum, size);
+}
+
+Prism::Prism(const Corners& corners) : corner(corners) {
+  const Point cross = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  const double length = cross.norm();
+  valid = length > 0;
+  if (!valid) return;
+  normal = cross / length;
+  for (int k = 0; k < 3; ++k) side[k] = (corner[(k + 1) % 3] - corner[k]).cross(normal).normalized();
+}
+
+Obstacle::Obstacle(const TriangleMesh& mesh) {
+  std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(mesh.triangles.rows()));
+  for (std::size_t t = 0; t < boxes.size(); ++t) {
+    for (int k = 0; k < 3; ++k) boxes[t].extend(mesh.corner(static_cast<std::int64_t>(t), k));
+  }
+  tree_.build(boxes);
+  for (const std::int32_t t : tree_.renumber()) corners_.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
+  for (const auto& box : boxes) {
+    magnitude_ = std::max({magnitude_, box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()});
+  }
+  std::vector<std::int32_t> label;
+  const int components = triangle_components(mesh, label);
+  for (std::size_t t = 0; t < label.size(); ++t) {
+    if (label[t] == static_cast<int>(representative_.size())) {
+      representative_.push_back(mesh.corner(static_cast<std::int64_t>(t), 0));
+    }
+  }
+  boxes.assign(static_cast<std::size_t>(components), {});
+  for (int c = 0; c < components; ++c) boxes[c].extend(representative_[c]);
+  representative_tree_.build(boxes);
+}
+
+std::uint64_t& Obstacle::work() {
+  thread_local std::uint64_t count = 0;
+  return count;
+}
+
+BoxFilter Obstacle::near(const Prism& prism, double clearance) const {
+  Eigen::AlignedBox3d box;
+  for (const Point& p : prism.corner) box.extend(p);
+  box.min().array() -= clearance;
+  box.max().array() += clearance;
+  BoxFilter filter(box, magnitude_);
+  const double level = prism.normal.dot(prism.corner[0]);
+  filter.below(prism.normal, level + clearance);
+  filter.below(-prism.normal, -level + clearance);
+  for (int k = 0; k < 3; ++k) filter.below(prism.side[k], prism.side[k].dot(prism.corner[k]) + clearance);
+  return filter;
+}
+
+void Obstacle::hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const {
+  const BoxFilter filter = near(prism, clearance);
+  tree_.traverse(filter, [&](std::int32_t t) {
+    if (found.size() >= limit) return;
+    ++work();
+    if (!separated(prism.corner, corners(t), clearance)) found.push_back(t);
+  });
+}
+
+bool Obstacle::hit(const Prism& prism, double clearance) const {
+  thread_local std::vector<std::int32_t> found;
+  found.clear();
+  hits(prism, clearance, 1, found);
+  return !found.empty();
+}
+
+double Obstacle::steepest(const Prism& prism, const Corners& t, double lift, double ceiling, double slope) {
+  const Point inward = -prism.side[1];
+  // Everything relative to the edge's start, where height and distance are 0. Most triangles lie
+  // under the present plane: height + lift < slope * distance.
+  const Corners x{t[0] - prism.corner[1], t[1] - prism.corner[1], t[2] - prism.corner[1]};
+  const Point down = inward * slope - prism.normal;
+  if (std::min({down.dot(x[0]), down.dot(x[1]), down.dot(x[2])}) > lift) return slope;
+  Polygon polygon;
+  for (const Point& p : x) polygon.corner[polygon.count++] = p;
+  polygon.cut(down, lift);
+  polygon.cut(prism.normal, ceiling);
+  for (int k = 0; k < 3 && polygon.count > 0; ++k) {
+    polygon.cut(prism.side[k], prism.side[k].dot(prism.corner[k] - prism.corner[1]));
+  }
+  // Next to the edge, which stays where it is, turning lifts nothing: ask for less there.
+  const double depth = inward.dot(prism.corner[0] - prism.corner[1]);
+  const double full = std::min(kFullLift * lift, depth / 4);
+  for (int i = 0; i < polygon.count; ++i) {
+    const double distance = inward.dot(polygon.corner[i]);
+    const double height = prism.normal.dot(polygon.corner[i]);
+    if (distance > 1e-9 * depth) slope = std::max(slope, height / distance + lift / std::max(distance, full));
+  }
+  return slope;
+}
+
+double Obstacle::steepest(const Prism& prism, double lift, double ceiling, double slope) const {
+  const Point inward = -prism.side[1];
+  const Point& start = prism.corner[1];
+  Eigen::AlignedBox3d box;
+  for (const Point& p : prism.corner) {
+    box.extend(p);
+    box.extend(p + ceiling * prism.normal);
+    box.extend(p - lift * prism.normal);
+  }
+  BoxFilter filter(box, magnitude_);
+  const auto raise = [&](double to) {
+    const Point normal = inward * to - prism.normal;
+    filter.set_below(0, normal, normal.dot(start) + lift);
+  };
+  filter.below(prism.normal, 0);
+  raise(slope);
+  filter.below(prism.normal, prism.normal.dot(start) + ceiling);
+  for (int k = 0; k < 3; ++k) filter.below(prism.side[k], prism.side[k].dot(prism.corner[k]));
+  const auto depth = [&](const Float4(&low)[3], const Float4(&high)[3]) { return filter.depth(low, high); };
+  // The deepest first: they raise the plane most, and what then lies under it is never looked at.
+  tree_.traverse_ranked(filter, depth, [&](std::int32_t t) {
+    ++work();
+    const double found = steepest(prism, corners(t), lift, ceiling, slope);
+    if (found > slope) {
+      slope = found;
+      raise(slope);
+    }
+  });
+  return slope;
+}
+
+void Obstacle::representatives(const Eigen::AlignedBox3d& box, std::vector<Point>& found) const {
+  representative_tree_.traverse(BoxFilter(box, magnitude_),
+                                [&](std::int32_t component) { found.push_back(representative_[component]); });
+}
+
+}  // namespace encage::collapse

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/mesh.h>
+
+#include <functional>
+
+#include "cagegen/collapse/obstacle.h"
+
+namespace encage::collapse {
+
+/// Moves all vertices at once to where the cage encloses least: gradient steps of the volume, projected
+/// onto linearised contacts with the obstacle and the cage itself. The result encloses no more than
+/// `cage` and keeps the clearance. `check` is called often and may throw to cancel.
+TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, int threads,
+                    const std::function<void()>& check);
+
+}  // namespace encage::collapse

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/mesh.h>
+
+#include <optional>
+
+#include "cagegen/collapse/obstacle.h"
+
+namespace encage::collapse {
+
+// Closed surfaces around an obstacle from which a collapse can begin. Vertices are exactly
+// representable in float32. No value if the attempt failed.
+
+/// A surface moved outward by `height`; needs a closed oriented manifold. Where it touches something,
+/// vertices are moved less if the surface is the obstacle's own (`grow` false). If it only resembles
+/// the obstacle (`grow` true), they are moved more, and folds are smoothed away.
+std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const TriangleMesh& surface, double height,
+                                         bool grow, double clearance);
+
+/// Pulls apart what meets at non-manifold edges and vertices, and drops pairs of opposite triangles
+/// and unused vertices. The parts still touch there.
+TriangleMesh make_manifold(const TriangleMesh& mesh);
+
+/// A plain decimation to about `faces`, manifold but not clear of anything; by meshoptimizer.
+TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces);
+
+/// CGAL's alpha wrap of a mesh without degenerate triangles; alpha and offset are lengths.
+std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha,
+                                       double offset, double clearance);
+
+/// Convex hull, scaled up until it is clear of the obstacle: the last resort, and always succeeds.
+TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance);
+
+/// Drops every component that lies inside another or bounds a void: what it encloses stays enclosed.
+TriangleMesh outermost_components(const TriangleMesh& cage);
+
+/// True if `cage` is clear of the obstacle and of itself by the makers' conservative tests.
+bool clear(const Obstacle& obstacle, const TriangleMesh& cage, double clearance);
+
+}  // namespace encage::collapse

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The starts that CGAL makes, in one file: its headers are slow to compile.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
+#include <CGAL/convex_hull_3.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "cagegen/collapse/cage_editor.h"
+#include "cagegen/collapse/starts.h"
+
+namespace encage::collapse {
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+
+TriangleMesh from_cgal(const SurfaceMesh& mesh) {
+  TriangleMesh result;
+  result.vertices.resize(static_cast<std::int64_t>(mesh.number_of_vertices()), 3);
+  result.triangles.resize(static_cast<std::int64_t>(mesh.number_of_faces()), 3);
+  std::vector<std::int32_t> number(mesh.num_vertices());
+  std::int32_t count = 0;
+  for (const auto v : mesh.vertices()) {
+    const auto& p = mesh.point(v);
+    result.vertices.row(count) << p.x(), p.y(), p.z();
+    number[v] = count++;
+  }
+  std::int64_t row = 0;
+  for (const auto f : mesh.faces()) {
+    int k = 0;
+    for (const auto v : CGAL::vertices_around_face(mesh.halfedge(f), mesh)) result.triangles(row, k++) = number[v];
+    ++row;
+  }
+  return result;
+}
+
+void round_vertices(TriangleMesh& mesh) {
+  for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
+    mesh.vertices.row(v) = round_to_float(mesh.vertex(static_cast<std::int32_t>(v))).transpose();
+  }
+}
+
+}  // namespace
+
+std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha,
+                                       double offset, double clearance) {
+  std::vector<Kernel::Point_3> points;
+  std::vector<std::array<std::size_t, 3>> faces;
+  for (std::int64_t v = 0; v < clean.vertices.rows(); ++v) {
+    points.emplace_back(clean.vertices(v, 0), clean.vertices(v, 1), clean.vertices(v, 2));
+  }
+  for (std::int64_t t = 0; t < clean.triangles.rows(); ++t) {
+    faces.push_back({static_cast<std::size_t>(clean.triangles(t, 0)), static_cast<std::size_t>(clean.triangles(t, 1)),
+                     static_cast<std::size_t>(clean.triangles(t, 2))});
+  }
+  SurfaceMesh wrap;
+  CGAL::alpha_wrap_3(points, faces, alpha, offset, wrap);
+  TriangleMesh cage = outermost_components(from_cgal(wrap));
+  round_vertices(cage);
+  if (cage.triangles.rows() == 0 || !clear(obstacle, cage, clearance)) return std::nullopt;
+  return cage;
+}
+
+TriangleMesh make_manifold(const TriangleMesh& mesh) {
+  // Opposite triangles on the same corners enclose nothing.
+  std::vector<std::array<std::int32_t, 4>> keys;  // sorted corners, triangle
+  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
+    std::array<std::int32_t, 3> corner{mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)};
+    std::sort(corner.begin(), corner.end());
+    keys.push_back({corner[0], corner[1], corner[2], static_cast<std::int32_t>(t)});
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<bool> dropped(keys.size());
+  for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
+    if (!std::equal(keys[i].begin(), keys[i].begin() + 3, keys[i + 1].begin())) continue;
+    dropped[keys[i][3]] = dropped[keys[i + 1][3]] = true;
+    ++i;
+  }
+  std::vector<std::array<double, 3>> points;
+  std::vector<std::vector<std::size_t>> polygons;
+  for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
+    points.push_back({mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)});
+  }
+  for (std::size_t t = 0; t < dropped.size(); ++t) {
+    if (dropped[t]) continue;
+    const auto row = mesh.triangles.row(static_cast<std::int64_t>(t));
+    polygons.push_back({static_cast<std::size_t>(row(0)), static_cast<std::size_t>(row(1)), static_cast<std::size_t>(row(2))});
+  }
+  CGAL::Polygon_mesh_processing::orient_polygon_soup(points, polygons);
+  TriangleMesh result;
+  result.triangles.resize(static_cast<std::int64_t>(polygons.size()), 3);
+  std::vector<std::int32_t> number(points.size(), -1);
+  std::vector<std::size_t> used;
+  for (std::size_t t = 0; t < polygons.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      std::int32_t& n = number[polygons[t][k]];
+      if (n < 0) {
+        n = static_cast<std::int32_t>(used.size());
+        used.push_back(polygons[t][k]);
+      }
+      result.triangles(static_cast<std::int64_t>(t), k) = n;
+    }
+  }
+  result.vertices.resize(static_cast<std::int64_t>(used.size()), 3);
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    const auto& p = points[used[v]];
+    result.vertices.row(static_cast<std::int64_t>(v)) << p[0], p[1], p[2];
+  }
+  return result;
+}
+
+TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance) {
+  std::vector<Kernel::Point_3> points;
+  for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
+    points.emplace_back(mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2));
+  }
+  const Eigen::AlignedBox3d box = bounds(mesh);
+  const double pad = box.diagonal().norm() / 100;
+  const auto attempt = [&](double padding, double scale) {
+    // Padding by boxes around the points gives flat and thin inputs a thickness.
+    std::vector<Kernel::Point_3> padded;
+    for (const auto& p : points) {
+      for (int i = 0; i < 8; ++i) {
+        padded.emplace_back(p.x() + (i & 1 ? padding : -padding), p.y() + (i & 2 ? padding : -padding),
+                            p.z() + (i & 4 ? padding : -padding));
+      }
+    }
+    SurfaceMesh hull;
+    CGAL::convex_hull_3(padded.begin(), padded.end(), hull);
+    TriangleMesh cage = from_cgal(hull);
+    for (std::int64_t v = 0; v < cage.vertices.rows(); ++v) {
+      const Point p = cage.vertex(static_cast<std::int32_t>(v));
+      cage.vertices.row(v) = (box.center() + scale * (p - box.center())).transpose();
+    }
+    round_vertices(cage);
+    return cage;
+  };
+  for (const double padding : {0.0, pad / 10, pad, 5 * pad}) {
+    if (padding == 0 && box.sizes().minCoeff() < pad) continue;
+    const TriangleMesh cage = attempt(padding, 1.001);
+    if (clear(obstacle, cage, clearance)) return cage;
+  }
+  // Always clear: a padded box.
+  points.clear();
+  for (int i = 0; i < 8; ++i) {
+    points.emplace_back((i & 1 ? box.max() : box.min()).x(), (i & 2 ? box.max() : box.min()).y(),
+                        (i & 4 ? box.max() : box.min()).z());
+  }
+  return attempt(pad, 1.01);
+}
+
+}  // namespace encage::collapse
