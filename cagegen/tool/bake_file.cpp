@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/tool/bake_file.h"
+
+#include <encage/error.h>
+#include <sys/resource.h>
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "cagegen/tool/interrupt.h"
+
+namespace encage::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json to_json(const SanitizeReport& report) {
+  return {{"welded_vertices", report.welded_vertices},         {"isolated_vertices", report.isolated_vertices},
+          {"duplicate_triangles", report.duplicate_triangles}, {"degenerate_triangles", report.degenerate_triangles},
+          {"flipped_components", report.flipped_components},   {"capped_loops", report.capped_loops}};
+}
+
+Json to_json(const CageLevel& level, const BakeReport::Level& measured) {
+  const Certificate& c = level.certificate;
+  return {{"faces", level.mesh.triangles.rows()},
+          {"vertices", level.mesh.vertices.rows()},
+          {"seconds", measured.seconds},
+          {"volume", c.volume},
+          {"volume_ratio", or_null(c.volume_ratio)},
+          {"clearance", c.clearance},
+          {"method", name(c.method)},
+          {"start", c.start},
+          // bake() returns nothing else, and a clearance above 0 is part of every certificate.
+          {"certified", c.clearance > 0},
+          {"genus", c.genus},
+          {"components", c.components},
+          {"cavities", c.cavities},
+          {"no_new_handles", or_null(c.no_new_handles)}};
+}
+
+}  // namespace
+
+BakedFile bake_file(const std::filesystem::path& input, const BakeOptions& options, const BakeContext& context) {
+  const auto begin = [&](std::string_view stage) {
+    if (context.cancel != nullptr && *context.cancel) throw Cancelled();
+    if (context.progress) context.progress(0, stage);
+  };
+  BakedFile baked;
+  begin("reading");
+  const TriangleMesh mesh = triangulate(read_polygon_mesh(input));
+  baked.input_faces = mesh.triangles.rows();
+  baked.input_vertices = mesh.vertices.rows();
+  try {
+    begin("sanitizing");
+    const SourceMesh source = sanitize(mesh);
+    baked.solid = source.solid;
+    baked.sanitize = source.report;
+    begin("baking");
+    baked.hierarchy = bake(source, options, context, &baked.report);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    throw Error(input.string() + ": " + error.what());
+  }
+  return baked;
+}
+
+Json to_json(const BakedFile& baked) {
+  const CageHierarchy& hierarchy = baked.hierarchy;
+  Json levels = Json::array();
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    levels.push_back(to_json(hierarchy.levels[i], baked.report.levels.at(i)));
+  }
+  return {{"source",
+           {{"faces", baked.input_faces},
+            {"vertices", baked.input_vertices},
+            {"solid", name(baked.solid)},
+            {"volume", hierarchy.source_volume},
+            {"diagonal", hierarchy.diagonal},
+            {"hash", to_string(hierarchy.source_hash)},
+            {"sanitize", to_json(baked.sanitize)}}},
+          {"options", Json::parse(hierarchy.options)},
+          {"levels", std::move(levels)},
+          {"truncated", hierarchy.truncated}};
+}
+
+std::string describe(const SanitizeReport& report) {
+  struct Item {
+    std::int64_t count;
+    const char* one;
+    const char* many;
+  };
+  const std::array<Item, 6> items = {
+      {{report.welded_vertices, "vertex welded", "vertices welded"},
+       {report.isolated_vertices, "isolated vertex dropped", "isolated vertices dropped"},
+       {report.duplicate_triangles, "duplicate face dropped", "duplicate faces dropped"},
+       {report.degenerate_triangles, "degenerate face", "degenerate faces"},
+       {report.flipped_components, "component turned", "components turned"},
+       {report.capped_loops, "boundary loop capped", "boundary loops capped"}}};
+  std::string text;
+  for (const Item& item : items) {
+    if (item.count == 0) continue;
+    if (!text.empty()) text += ", ";
+    text += std::to_string(item.count) + " " + (item.count == 1 ? item.one : item.many);
+  }
+  return text;
+}
+
+Usage process_usage() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), usage.ru_maxrss * std::int64_t{1024}};
+}
+
+}  // namespace encage::tool

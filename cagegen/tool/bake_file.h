@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/bake.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace encage::tool {
+
+/// A file baked, and what is known of its source.
+struct BakedFile {
+  std::int64_t input_faces = 0;     ///< triangles as read
+  std::int64_t input_vertices = 0;  ///< as read
+  Solid solid = Solid::closed;
+  SanitizeReport sanitize;
+  CageHierarchy hierarchy;
+  BakeReport report;
+};
+
+/// Reads, triangulates, sanitizes and bakes. Throws Error naming the file, or Cancelled.
+BakedFile bake_file(const std::filesystem::path& input, const BakeOptions& options, const BakeContext& context);
+
+/// The keys that every tool prints for a bake (design.md, section 8), without
+/// times of the process: `levels` (fine to coarse, cages only) and the source.
+nlohmann::ordered_json to_json(const BakedFile& baked);
+
+/// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.
+std::string describe(const SanitizeReport& report);
+
+/// What this process has used so far.
+struct Usage {
+  double cpu_seconds = 0;  ///< user and system, all threads
+  std::int64_t peak_rss_bytes = 0;
+};
+Usage process_usage();
+
+}  // namespace encage::tool
