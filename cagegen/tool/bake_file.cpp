@@ -6,9 +6,9 @@
 
 #include <array>
 #include <cstddef>
-#include <utility>
+#include <string_view>
 
-#include "cagegen/tool/interrupt.h"
+#include "cagegen/tool/asset_json.h"
 
 namespace encage::tool {
 
@@ -16,33 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json to_json(const SanitizeReport& report) {
   return {{"welded_vertices", report.welded_vertices},         {"isolated_vertices", report.isolated_vertices},
           {"duplicate_triangles", report.duplicate_triangles}, {"degenerate_triangles", report.degenerate_triangles},
           {"flipped_components", report.flipped_components},   {"capped_loops", report.capped_loops}};
-}
-
-Json to_json(const CageLevel& level, const BakeReport::Level& measured) {
-  const Certificate& c = level.certificate;
-  return {{"faces", level.mesh.triangles.rows()},
-          {"vertices", level.mesh.vertices.rows()},
-          {"seconds", measured.seconds},
-          {"volume", c.volume},
-          {"volume_ratio", or_null(c.volume_ratio)},
-          {"clearance", c.clearance},
-          {"method", name(c.method)},
-          {"start", c.start},
-          // bake() returns nothing else, and a clearance above 0 is part of every certificate.
-          {"certified", c.clearance > 0},
-          {"genus", c.genus},
-          {"components", c.components},
-          {"cavities", c.cavities},
-          {"no_new_handles", or_null(c.no_new_handles)}};
 }
 
 }  // namespace
@@ -73,22 +50,17 @@ BakedFile bake_file(const std::filesystem::path& input, const BakeOptions& optio
 }
 
 Json to_json(const BakedFile& baked) {
-  const CageHierarchy& hierarchy = baked.hierarchy;
-  Json levels = Json::array();
-  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
-    levels.push_back(to_json(hierarchy.levels[i], baked.report.levels.at(i)));
+  Json json = to_json(baked.hierarchy);
+  Json& source = json["source"];
+  source["faces"] = baked.input_faces;
+  source["vertices"] = baked.input_vertices;
+  source["sanitize"] = to_json(baked.sanitize);
+  for (std::size_t i = 0; i < baked.hierarchy.levels.size(); ++i) {
+    json["levels"][i]["seconds"] = baked.report.levels.at(i).seconds;
+    // bake() returns certified cages only; a clearance above 0 is part of each certificate.
+    json["levels"][i]["certified"] = baked.hierarchy.levels[i].certificate.clearance > 0;
   }
-  return {{"source",
-           {{"faces", baked.input_faces},
-            {"vertices", baked.input_vertices},
-            {"solid", name(baked.solid)},
-            {"volume", hierarchy.source_volume},
-            {"diagonal", hierarchy.diagonal},
-            {"hash", to_string(hierarchy.source_hash)},
-            {"sanitize", to_json(baked.sanitize)}}},
-          {"options", Json::parse(hierarchy.options)},
-          {"levels", std::move(levels)},
-          {"truncated", hierarchy.truncated}};
+  return json;
 }
 
 std::string describe(const SanitizeReport& report) {

@@ -23,8 +23,8 @@ struct BakedFile {
 /// Reads, triangulates, sanitizes and bakes. Throws Error naming the file, or Cancelled.
 BakedFile bake_file(const std::filesystem::path& input, const BakeOptions& options, const BakeContext& context);
 
-/// The keys that every tool prints for a bake (design.md, section 8), without
-/// times of the process: `levels` (fine to coarse, cages only) and the source.
+/// The keys of the asset (asset_json.h), with the seconds of each level and more
+/// about the source.
 nlohmann::ordered_json to_json(const BakedFile& baked);
 
 /// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.

@@ -24,6 +24,8 @@ int run(int argc, char** argv) {
 
   int status = encage::tool::success;
   encage::tool::add_bake(app, status);
+  encage::tool::add_info(app, status);
+  encage::tool::add_export(app, status);
 
   try {
     app.parse(argc, argv);

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "cagegen/tool/asset_json.h"
 #include "src/atomic_file.h"
 
 namespace encage::tool {
@@ -78,10 +79,7 @@ fs::path default_asset(const fs::path& input) {
   return file;
 }
 
-void write_json(const fs::path& file, const nlohmann::ordered_json& json) {
-  // Paths may hold bytes that are no UTF-8: replaced rather than refused after the work is done.
-  write_atomically(file, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-}
+void write_json(const fs::path& file, const nlohmann::ordered_json& json) { write_atomically(file, dump(json)); }
 
 void write_certified_asset(const fs::path& file, const CageHierarchy& hierarchy) {
   const Leftover staged{file.string() + ".staged-" + std::to_string(getpid())};
