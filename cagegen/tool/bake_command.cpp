@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "cagegen/tool/bake_file.h"
+#include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/command.h"
 #include "cagegen/tool/interrupt.h"
 #include "cagegen/tool/output_file.h"
@@ -68,9 +68,9 @@ void print_level(std::size_t number, const CageLevel& level, double seconds) {
   std::cout << line << '\n';
 }
 
-void print_source(const std::filesystem::path& input, const BakedFile& baked) {
-  std::cout << input.string() << ": " << baked.input_faces << " triangles, " << name(baked.solid);
-  const std::string changes = describe(baked.sanitize);
+void print_source(const std::filesystem::path& input, const BakedMesh& baked) {
+  std::cout << input.string() << ": " << baked.input_faces << " triangles, " << name(baked.source.solid);
+  const std::string changes = describe(baked.source.report);
   if (!changes.empty()) std::cout << " (" << changes << ")";
   std::cout << '\n';
 }
@@ -88,10 +88,14 @@ void run_bake(const BakeArguments& arguments) {
     }
   }
 
-  BakedFile baked;
+  BakedMesh baked;
   {
     Progress progress = Progress::on_stderr();
-    baked = bake_file(arguments.input, arguments.options, progress.context(&interrupted));
+    progress.update(0, "reading");
+    const TriangleMesh mesh = read_mesh(arguments.input);
+    throw_if_interrupted();
+    progress.update(0, "sanitizing");
+    baked = bake_mesh(arguments.input, mesh, arguments.options, progress.context(&interrupted));
   }
   throw_if_interrupted();
   write_certified_asset(output, baked.hierarchy);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/tool/bake_file.h"
+#include "cagegen/tool/bake_mesh.h"
 
 #include <encage/error.h>
 #include <sys/resource.h>
 
 #include <array>
 #include <cstddef>
-#include <string_view>
 
 #include "cagegen/tool/asset_json.h"
 
@@ -24,37 +23,31 @@ Json to_json(const SanitizeReport& report) {
 
 }  // namespace
 
-BakedFile bake_file(const std::filesystem::path& input, const BakeOptions& options, const BakeContext& context) {
-  const auto begin = [&](std::string_view stage) {
-    if (context.cancel != nullptr && *context.cancel) throw Cancelled();
-    if (context.progress) context.progress(0, stage);
-  };
-  BakedFile baked;
-  begin("reading");
-  const TriangleMesh mesh = triangulate(read_polygon_mesh(input));
+TriangleMesh read_mesh(const std::filesystem::path& file) { return triangulate(read_polygon_mesh(file)); }
+
+BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
+                    const BakeContext& context) {
+  BakedMesh baked;
   baked.input_faces = mesh.triangles.rows();
   baked.input_vertices = mesh.vertices.rows();
   try {
-    begin("sanitizing");
-    const SourceMesh source = sanitize(mesh);
-    baked.solid = source.solid;
-    baked.sanitize = source.report;
-    begin("baking");
-    baked.hierarchy = bake(source, options, context, &baked.report);
+    baked.source = sanitize(mesh);
+    if (context.cancel != nullptr && *context.cancel) throw Cancelled();
+    baked.hierarchy = bake(baked.source, options, context, &baked.report);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
-    throw Error(input.string() + ": " + error.what());
+    throw Error(file.string() + ": " + error.what());
   }
   return baked;
 }
 
-Json to_json(const BakedFile& baked) {
+Json to_json(const BakedMesh& baked) {
   Json json = to_json(baked.hierarchy);
   Json& source = json["source"];
   source["faces"] = baked.input_faces;
   source["vertices"] = baked.input_vertices;
-  source["sanitize"] = to_json(baked.sanitize);
+  source["sanitize"] = to_json(baked.source.report);
   for (std::size_t i = 0; i < baked.hierarchy.levels.size(); ++i) {
     json["levels"][i]["seconds"] = baked.report.levels.at(i).seconds;
     // bake() returns certified cages only; a clearance above 0 is part of each certificate.

@@ -10,22 +10,25 @@
 
 namespace encage::tool {
 
-/// A file baked, and what is known of its source.
-struct BakedFile {
+/// A mesh baked, and what is known of its source.
+struct BakedMesh {
   std::int64_t input_faces = 0;     ///< triangles as read
   std::int64_t input_vertices = 0;  ///< as read
-  Solid solid = Solid::closed;
-  SanitizeReport sanitize;
+  SourceMesh source;
   CageHierarchy hierarchy;
   BakeReport report;
 };
 
-/// Reads, triangulates, sanitizes and bakes. Throws Error naming the file, or Cancelled.
-BakedFile bake_file(const std::filesystem::path& input, const BakeOptions& options, const BakeContext& context);
+/// Reads and triangulates. Throws Error naming the file.
+TriangleMesh read_mesh(const std::filesystem::path& file);
+
+/// Sanitizes and bakes; `file` is for the messages. Throws Error or Cancelled.
+BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
+                    const BakeContext& context);
 
 /// The keys of the asset (asset_json.h), with the seconds of each level and more
 /// about the source.
-nlohmann::ordered_json to_json(const BakedFile& baked);
+nlohmann::ordered_json to_json(const BakedMesh& baked);
 
 /// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.
 std::string describe(const SanitizeReport& report);
