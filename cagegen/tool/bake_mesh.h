@@ -26,7 +26,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file);
 BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
                     const BakeContext& context);
 
-/// The keys of the asset (asset_json.h), with the seconds of each level and more
+/// The keys of the asset (cage_json.h), with the seconds of each level and more
 /// about the source.
 nlohmann::ordered_json to_json(const BakedMesh& baked);
 

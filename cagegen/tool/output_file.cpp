@@ -15,7 +15,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "cagegen/tool/asset_json.h"
+#include "cagegen/tool/cage_json.h"
 #include "src/atomic_file.h"
 
 namespace encage::tool {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/tool/asset_json.h"
+#include "cagegen/tool/cage_json.h"
 
 #include <optional>
 #include <utility>
