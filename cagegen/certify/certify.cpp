@@ -18,11 +18,14 @@ using Refusal = std::optional<std::string>;
 
 /// Far beyond float32; products of four coordinates stay in the range of double.
 constexpr double largest_coordinate = 1e75;
+/// Half-edges are numbered in 32 bits.
+constexpr std::int64_t most_triangles = 500'000'000;
 
 std::string numbered(const char* what, std::int64_t index) { return std::string(what) + ' ' + std::to_string(index); }
 
 Refusal refuse_malformed(const TriangleMesh& mesh, const std::string& name) {
   if (mesh.triangles.rows() == 0) return name + " has no triangles";
+  if (mesh.triangles.rows() > most_triangles) return name + " has more than 500 million triangles";
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t v = mesh.triangles(t, k);
