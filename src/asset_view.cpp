@@ -157,7 +157,7 @@ class AssetView::Parser {
   }
 
   JsonNode accessor(const JsonNode& reference, std::int64_t component_type, const char* type) const {
-    const JsonNode found = root_.at("accessors").at(reference.integer());
+    JsonNode found = root_.at("accessors").at(reference.integer());
     if (found.at("componentType").integer() != component_type) found.fail("unexpected componentType");
     if (found.at("type").text() != type) found.fail("unexpected type");
     if (found.find("byteOffset") || found.find("sparse")) found.fail("byteOffset and sparse are not allowed");
