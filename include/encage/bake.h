@@ -79,8 +79,39 @@ struct CertifyResult {
 /// (closed test; degenerate inner triangles count as segments or points) and
 /// that every component of `inner` lies inside. `inner_solid` says whether
 /// inner's interior has to be inside too (cavities of the cage must not lie in
-/// it). Shares no geometry code with the makers beyond CGAL.
+/// it). The clearance is at least (1 - 1e-6) times the distance of the surfaces
+/// and never above it. Meshes are taken as they are: what they need not be is
+/// refused with a reason, never thrown. One thread, re-entrant; about 0.6 us a
+/// triangle of `inner`. Shares no geometry code with the makers beyond CGAL.
+/// docs/certificate.md says how it is proven.
 CertifyResult certify(const TriangleMesh& inner, Solid inner_solid, const TriangleMesh& cage);
+
+enum class Verdict {
+  holds,     ///< proven
+  refuted,   ///< proven wrong
+  unproven,  ///< cannot be decided from what was given
+};
+
+const char* name(Verdict verdict) noexcept;
+
+/// What came of checking an asset again.
+struct CheckReport {
+  struct Check {
+    std::string subject;  ///< e.g. "level 2 nesting"
+    Verdict verdict = Verdict::unproven;
+    std::string detail;   ///< one sentence
+  };
+  std::vector<Check> checks;
+
+  bool holds() const;  ///< every check does
+};
+
+/// Proves every level of a hierarchy again, around the next finer one, and compares
+/// the stored certificates. Level 1 is proven around `source` if it is given, which is
+/// also compared with what the hierarchy says of it. Without, `hierarchy.fine` stands
+/// in: it lies within fine_error of the source, hence a clearance above fine_error
+/// carries over; if it is smaller, or no fine mesh is stored, level 1 is unproven.
+CheckReport check_asset(const CageHierarchy& hierarchy, const SourceMesh* source = nullptr);
 
 // ---- Bake ----------------------------------------------------------------
 
