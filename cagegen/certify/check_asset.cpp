@@ -159,8 +159,7 @@ class Checker {
     if (stored.genus != proven.genus) wrong += " genus";
     add(level + " certificate", wrong.empty(),
         wrong.empty() ? "volume " + text(proven.volume) + ", components " + std::to_string(proven.components) +
-                            ", cavities " + std::to_string(proven.cavities) + ", genus " +
-                            std::to_string(proven.genus)
+                            ", cavities " + std::to_string(proven.cavities) + ", genus " + std::to_string(proven.genus)
                       : "stored and proven values differ in:" + wrong);
   }
 
