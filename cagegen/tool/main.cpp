@@ -26,6 +26,7 @@ int run(int argc, char** argv) {
   encage::tool::add_bake(app, status);
   encage::tool::add_info(app, status);
   encage::tool::add_export(app, status);
+  encage::tool::add_render(app, status);
 
   try {
     app.parse(argc, argv);
