@@ -53,22 +53,34 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
     last_vertex = std::max({last_vertex, head(triangles, s), tail(triangles, s)});
   });
   const auto before = [](const BoundaryEdge& a, const BoundaryEdge& b) {
-    return a.component != b.component ? a.component < b.component : a.from < b.from;
+    return a.from != b.from ? a.from < b.from : a.component < b.component;
   };
   std::stable_sort(boundary.begin(), boundary.end(), before);
-
   std::vector<char> used(boundary.size(), 0);
+  // The next unused edge from a vertex. Components are not mixed unless one is closed
+  // only together with another; every vertex has as many edges in as out, so that any
+  // choice ends where it began.
+  const auto next = [&](std::int32_t from, std::int32_t component) {
+    const auto is_free = [&](const BoundaryEdge& edge) { return !used[&edge - boundary.data()]; };
+    const auto begin = std::lower_bound(boundary.begin(), boundary.end(), BoundaryEdge{component, from, 0, 0}, before);
+    const auto end = std::upper_bound(begin, boundary.end(), BoundaryEdge{component, from, 0, 0}, before);
+    if (const auto found = std::find_if(begin, end, is_free); found != end) return found;
+    const auto first = std::lower_bound(boundary.begin(), boundary.end(), BoundaryEdge{-1, from, 0, 0}, before);
+    const auto last = std::lower_bound(boundary.begin(), boundary.end(), BoundaryEdge{-1, from + 1, 0, 0}, before);
+    const auto found = std::find_if(first, last, is_free);
+    return found != last ? found : boundary.end();
+  };
+
   std::vector<std::int32_t> place(static_cast<std::size_t>(last_vertex) + 1, -1);  // of a vertex on the path
   std::vector<Loop> loops;
   Loop path;  // begins in start.from, ends in `at`
   for (const BoundaryEdge& start : boundary) {
-    std::int32_t at = start.from;
+    std::int32_t at = start.from, component = start.component;
     place[at] = 0;
     for (;;) {
-      const BoundaryEdge key{start.component, at, 0, 0};
-      auto edge = std::lower_bound(boundary.begin(), boundary.end(), key, before);
-      while (edge != boundary.end() && !before(key, *edge) && used[edge - boundary.begin()]) ++edge;
-      if (edge == boundary.end() || before(key, *edge)) break;
+      const auto edge = next(at, component);
+      if (edge == boundary.end()) break;
+      component = edge->component;
       used[edge - boundary.begin()] = 1;
       path.push_back(edge->side);
       at = edge->to;

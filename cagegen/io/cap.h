@@ -16,8 +16,8 @@ namespace encage::io {
 /// its tail, which is the head of side i + 1.
 using Loop = std::vector<Side>;
 
-/// The boundary as loops that pass no vertex twice (cut where the boundary does). Needs
-/// consistent components.
+/// The boundary as loops that pass no vertex twice (cut where the boundary does). At every
+/// edge of several sides these must cancel.
 std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& edges, const Components& components);
 
 /// Triangles that span a loop, on its vertices: by minimal dihedral angles, surface
