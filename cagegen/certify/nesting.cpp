@@ -12,6 +12,8 @@ namespace encage::proof {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Sums of squares below may have lost their relative accuracy to underflow.
+constexpr double smallest_square = 1e-280;
 /// Depth of a median-split tree over 2^31 triangles, with room.
 using Stack = std::array<std::int32_t, 64>;
 
@@ -38,6 +40,12 @@ double squared_gap(const BoxTree::Node& a, const BoxTree::Node& b) {
     sum += gap * gap;
   }
   return sum;
+}
+
+double common_extent(const BoxTree::Node& a, const BoxTree::Node& b) {
+  double extent = 0;
+  for (int k = 0; k < 3; ++k) extent = std::max(extent, std::max(a.high[k], b.high[k]) - std::min(a.low[k], b.low[k]));
+  return extent;
 }
 
 // ---- Self-intersection ------------------------------------------------------
@@ -189,10 +197,14 @@ class ContactSearch {
   void visit(const Query& query, std::int32_t inner) {
     if (found_.clearance == 0) return;
     const Corners t = corners(inner_.mesh, inner);
-    if (too_far(squared_gap(box_of(t), query.box))) return;
-    if (settle(query.slab_distance(t), nearest_)) return;
+    const BoxTree::Node box = box_of(t);
+    const double squared = squared_gap(box, query.box);
+    if (too_far(squared)) return;
+    const double rounding = clearance_rounding * common_extent(box, query.box);
+    const double gap = squared > smallest_square ? std::sqrt(squared) * (1 - 0x1p-48) : 0;
+    if (settle(std::max(gap, query.slab_distance(t)), nearest_, rounding)) return;
     const Separation s = separate(query.corners, t);
-    if (settle(s.lower, std::min(nearest_, s.upper))) {
+    if (settle(s.lower, std::min(nearest_, s.upper), rounding)) {
       // Not below the proven bound: what `nearest_` prunes must not be nearer than `clearance`.
       nearest_ = std::min(nearest_, std::max(s.lower, s.upper));
       return;
@@ -202,8 +214,8 @@ class ContactSearch {
 
   /// Is the bound of this pair good enough, given that the distance of the surfaces
   /// is at most about `upper`?
-  bool settle(double lower, double upper) {
-    if (lower == 0 || lower < upper * (1 - clearance_slack)) return false;
+  bool settle(double lower, double upper, double rounding) {
+    if (lower == 0 || lower < upper * (1 - clearance_slack) - rounding) return false;
     found_.clearance = std::min(found_.clearance, lower);
     return true;
   }

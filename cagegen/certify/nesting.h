@@ -28,9 +28,11 @@ using TrianglePair = std::pair<std::int32_t, std::int32_t>;
 /// more in common than the vertices or the edge that they share; none if it is embedded.
 std::optional<TrianglePair> self_intersection(const Surface& surface);
 
-/// Relative slack of the clearance: it is a lower bound, and no less than
-/// (1 - clearance_slack) times the distance.
+/// The clearance is a lower bound of the distance, and falls short of it by no more than
+/// clearance_slack times the distance plus clearance_rounding times the extent of the
+/// nearest pair of triangles.
 inline constexpr double clearance_slack = 1e-6;
+inline constexpr double clearance_rounding = 0x1p-45;
 
 /// How far apart two surfaces are.
 struct Contact {

@@ -96,8 +96,8 @@ struct CertifyResult {
 /// (closed test; degenerate inner triangles count as segments or points) and
 /// that every component of `inner` lies inside. `inner_solid` says whether
 /// inner's interior has to be inside too (cavities of the cage must not lie in
-/// it). The clearance is at least (1 - 1e-6) times the distance of the surfaces
-/// and never above it. Meshes are taken as they are: what they need not be is
+/// it). The clearance is never above the distance of the surfaces, and below it
+/// by no more than a millionth, and rounding of 2^-45 of the triangles' size. Meshes are taken as they are: what they need not be is
 /// refused with a reason, never thrown. One thread, re-entrant; about 0.6 us a
 /// triangle of `inner`. Shares no geometry code with the makers beyond CGAL.
 /// docs/certificate.md says how it is proven.
