@@ -17,6 +17,7 @@
 #include "cagegen/render/levels.h"
 #include "cagegen/render/render.h"
 #include "cagegen/tool/command.h"
+#include "cagegen/tool/output_file.h"
 
 namespace encage::tool {
 
@@ -109,8 +110,7 @@ render::Options parse_options(const RenderArguments& a, const std::vector<render
 }
 
 void run(const RenderArguments& a) {
-  std::error_code missing;
-  if (fs::equivalent(a.output, a.input, missing)) throw Error(a.output.string() + ": would overwrite the input");
+  check_output(a.output, a.input);
   const std::vector<TriangleMesh> levels = read_levels(a.input);
   const std::vector<render::Item> items = choose_items(a, levels);
   const render::Options options = parse_options(a, items);

@@ -56,6 +56,16 @@ TEST(AssetReader, golden_file_of_version_1_stays_readable) {
   expect_same(read_asset(ENCAGE_TEST_DATA "/asset_v1.glb", Verify::all), sample_hierarchy());
 }
 
+TEST(AssetReader, golden_file_holds_true_claims) {
+  const CageHierarchy h = read_asset(ENCAGE_TEST_DATA "/asset_v1.glb");
+  EXPECT_TRUE(is_closed(h.fine));
+  EXPECT_DOUBLE_EQ(signed_volume(h.fine), h.source_volume);
+  for (const CageLevel& level : h.levels) {
+    EXPECT_TRUE(is_closed(level.mesh));
+    EXPECT_DOUBLE_EQ(signed_volume(level.mesh), level.certificate.volume);
+  }
+}
+
 TEST(AssetReader, returns_what_was_written) {
   CageHierarchy hierarchy = sample_hierarchy();
   hierarchy.truncated = true;
