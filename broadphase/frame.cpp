@@ -85,6 +85,7 @@ double required_distance(const Shape& a, const Eigen::Isometry3d& pose_a, const 
 }
 
 bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, double margin) noexcept {
+  if (a.isEmpty() || b.isEmpty()) return false;
   const Eigen::Array3d gap = (b.min() - a.max()).array().max((a.min() - b.max()).array()).max(0.0);
   // Each gap and the norm are off by a few eps relatively.
   const double largest = gap.maxCoeff();
