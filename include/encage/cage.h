@@ -59,12 +59,15 @@ struct CageHierarchy {
   double diagonal = 0;       ///< of the source's bounds
 
   TriangleMesh fine;         ///< local frame; source triangles, then caps; vertices exact in float32
-  std::int64_t cap_count = 0;  ///< the last `cap_count` triangles of `fine` are caps
+  /// Triangles added to close the source; the last ones of `fine` where that is kept.
+  std::int64_t cap_count = 0;
   /// Upper bound of |fine vertex - source vertex| caused by rounding to float32.
   double fine_error = 0;
 
   std::vector<CageLevel> levels;
-  std::string options;       ///< the bake options as compact JSON, keys sorted
+  /// The bake options, a JSON object, compact and with sorted keys (an asset
+  /// returns it in that form whatever was written); may be empty.
+  std::string options;
   bool truncated = false;    ///< a time limit cut the work short
 };
 
