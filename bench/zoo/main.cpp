@@ -6,12 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "bench/zoo/report.h"
 #include "bench/zoo/zoo.h"
+#include "cagegen/tool/bake_options.h"
 #include "cagegen/tool/output_file.h"
 #include "src/atomic_file.h"
 
@@ -39,18 +39,9 @@ void define(CLI::App& app, Arguments& a) {
   app.footer(examples);
   app.add_option("paths", a.paths, "Folders (searched for meshes) and mesh files")->required()->type_name("DIR|FILE");
   a.options.faces = {2000, 500, 100};
-  app.add_option("--faces", a.options.faces, "Triangles per level, fine to coarse (default 2000,500,100)")
-      ->delimiter(',')
-      ->check(CLI::Range(std::int64_t{4}, std::int64_t{1} << 31))
-      ->type_name("N,...");
-  const std::map<std::string, BakeMethod> methods = {{"auto", BakeMethod::automatic},
-                                                     {"collapse", BakeMethod::collapse}};
-  app.add_option("--method", a.options.method, "auto or collapse (default auto)")
-      ->transform(CLI::CheckedTransformer(methods))
-      ->type_name("M");
-  app.add_option("--threads", a.options.threads, "Threads, 0 for all; the result does not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->type_name("N");
+  tool::add_faces(app, a.options)->capture_default_str();
+  tool::add_method(app, a.options);
+  tool::add_threads(app, a.options);
   app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
   app.add_option("--markdown", a.markdown, "Write the table as a Markdown document")->type_name("FILE");
   app.add_option("--gallery", a.gallery, "Folder (made if missing) for pictures of each mesh")->type_name("DIR");

@@ -39,18 +39,18 @@ class Checker {
 
   CheckReport run() {
     if (source_) check_source();
-    if (hierarchy_.levels.empty()) add("levels", Verdict::refuted, "the hierarchy has no cage");
+    if (hierarchy_.levels.empty()) add("levels", CheckVerdict::refuted, "the hierarchy has no cage");
     for (std::size_t i = 0; i < hierarchy_.levels.size(); ++i) check_level(i);
     return std::move(report_);
   }
 
  private:
-  void add(std::string subject, Verdict verdict, std::string detail) {
+  void add(std::string subject, CheckVerdict verdict, std::string detail) {
     report_.checks.push_back({std::move(subject), verdict, std::move(detail)});
   }
 
   void add(std::string subject, bool holds, std::string detail) {
-    add(std::move(subject), holds ? Verdict::holds : Verdict::refuted, std::move(detail));
+    add(std::move(subject), holds ? CheckVerdict::holds : CheckVerdict::refuted, std::move(detail));
   }
 
   // ---- The source ----
@@ -83,7 +83,7 @@ class Checker {
     const TriangleMesh& obstacle = source_->obstacle;
     if (fine.triangles.rows() != obstacle.triangles.rows() || fine.triangles != obstacle.triangles ||
         fine.vertices.rows() != obstacle.vertices.rows()) {
-      return add("fine mesh", Verdict::refuted, "its triangles are not those of the source");
+      return add("fine mesh", CheckVerdict::refuted, "its triangles are not those of the source");
     }
     const double error = std::sqrt((fine.vertices - obstacle.vertices).rowwise().squaredNorm().maxCoeff());
     add("fine mesh", error <= hierarchy_.fine_error,
@@ -95,7 +95,7 @@ class Checker {
   void check_level(std::size_t i) {
     const TriangleMesh& cage = hierarchy_.levels[i].mesh;
     const std::string level = "level " + std::to_string(i + 1);
-    if (!is_float32(cage.vertices)) add(level + " vertices", Verdict::refuted, "not all are float32 values");
+    if (!is_float32(cage.vertices)) add(level + " vertices", CheckVerdict::refuted, "not all are float32 values");
     if (i > 0) {
       // A cage is a solid, whatever the source was.
       return check_nesting(level, i, certify(hierarchy_.levels[i - 1].mesh, Solid::closed, cage),
@@ -123,22 +123,22 @@ class Checker {
   /// `error`: how far `finer` may be from what the certificate speaks of.
   void check_nesting(const std::string& level, std::size_t i, const CertifyResult& proven, const std::string& finer,
                      double error) {
-    if (!proven.holds) return add(level + " nesting", Verdict::refuted, proven.reason);
+    if (!proven.holds) return add(level + " nesting", CheckVerdict::refuted, proven.reason);
     const double clearance = proven.certificate.clearance;
     const std::string detail = std::to_string(hierarchy_.levels[i].mesh.triangles.rows()) + " triangles around " +
                                finer + ", clearance " + text(clearance);
     if (clearance > error) {
-      add(level + " nesting", Verdict::holds, detail);
+      add(level + " nesting", CheckVerdict::holds, detail);
     } else {
-      add(level + " nesting", Verdict::unproven, detail + " is within its error: proven only with --source");
+      add(level + " nesting", CheckVerdict::unproven, detail + " is within its error: proven only with --source");
     }
     check_certificate(level, i, proven.certificate, true, error);
   }
 
   void check_alone(const std::string& level, const std::string& why) {
     const CertifyResult proven = certify_alone(hierarchy_.levels[0].mesh);
-    if (!proven.holds) return add(level + " nesting", Verdict::refuted, proven.reason);
-    add(level + " nesting", Verdict::unproven, why);
+    if (!proven.holds) return add(level + " nesting", CheckVerdict::refuted, proven.reason);
+    add(level + " nesting", CheckVerdict::unproven, why);
     check_certificate(level, 0, proven.certificate, false, 0);
   }
 
@@ -179,17 +179,17 @@ class Checker {
 
 }  // namespace
 
-const char* name(Verdict verdict) noexcept {
+const char* name(CheckVerdict verdict) noexcept {
   switch (verdict) {
-    case Verdict::holds: return "holds";
-    case Verdict::refuted: return "refuted";
-    case Verdict::unproven: return "unproven";
+    case CheckVerdict::holds: return "holds";
+    case CheckVerdict::refuted: return "refuted";
+    case CheckVerdict::unproven: return "unproven";
   }
   return "";
 }
 
 bool CheckReport::holds() const {
-  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.verdict == Verdict::holds; });
+  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.verdict == CheckVerdict::holds; });
 }
 
 CheckReport check_asset(const CageHierarchy& hierarchy, const SourceMesh* source) {

@@ -3,15 +3,14 @@
 #include <encage/bake.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <string>
 
 #include "cagegen/tool/bake_mesh.h"
+#include "cagegen/tool/bake_options.h"
 #include "cagegen/tool/command.h"
 #include "cagegen/tool/interrupt.h"
 #include "cagegen/tool/output_file.h"
@@ -40,15 +39,15 @@ struct BakeArguments {
   BakeOptions options;
 };
 
-/// CLI::Range accepts NaN.
-CLI::Validator between(double low, double high, const std::string& description) {
+/// Both ends excluded. (CLI::Range includes them, and accepts NaN.)
+CLI::Validator between(double low, double high, const std::string& wanted) {
   return CLI::Validator(
       [=](std::string& text) -> std::string {
         double value = 0;
         if (CLI::detail::lexical_cast(text, value) && value > low && value < high) return {};
-        return text + " is not " + description;
+        return text + " is not " + wanted;
       },
-      description);
+      "");
 }
 
 void print_level(std::size_t number, const CageLevel& level, double seconds) {
@@ -75,49 +74,57 @@ void print_source(const std::filesystem::path& input, const BakedMesh& baked) {
   std::cout << '\n';
 }
 
-void run_bake(const BakeArguments& arguments) {
-  const auto began = std::chrono::steady_clock::now();
-  const InterruptScope scope;
+/// Where the asset goes. Throws Error if a result could not be written, before any long work.
+std::filesystem::path checked_output(const BakeArguments& arguments) {
   const std::filesystem::path output = arguments.output.empty() ? default_asset(arguments.input) : arguments.output;
   if (output.extension() != ".glb") throw Error(output.string() + ": cages are written as .glb only");
   check_output(output, arguments.input);
-  if (!arguments.json.empty()) {
-    check_output(arguments.json, arguments.input);
-    if (arguments.json.lexically_normal() == output.lexically_normal()) {
-      throw Error(output.string() + ": asset and JSON cannot be the same file");
-    }
+  if (arguments.json.empty()) return output;
+  check_output(arguments.json, arguments.input);
+  if (arguments.json.lexically_normal() == output.lexically_normal()) {
+    throw Error(output.string() + ": asset and JSON cannot be the same file");
   }
+  return output;
+}
 
-  BakedMesh baked;
-  {
-    Progress progress = Progress::on_stderr();
-    progress.update(0, "reading");
-    const TriangleMesh mesh = read_mesh(arguments.input);
-    throw_if_interrupted();
-    progress.update(0, "sanitizing");
-    baked = bake_mesh(arguments.input, mesh, arguments.options, progress.context(&interrupted));
-  }
+BakedMesh read_and_bake(const BakeArguments& arguments) {
+  Progress progress = Progress::on_stderr();
+  progress.update(0, "reading");
+  const TriangleMesh mesh = read_mesh(arguments.input);
   throw_if_interrupted();
-  write_certified_asset(output, baked.hierarchy);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  progress.update(0, "sanitizing");
+  BakedMesh baked = bake_mesh(arguments.input, mesh, arguments.options, progress.context(&interrupted));
+  throw_if_interrupted();
+  return baked;
+}
 
+void print_bake(const BakeArguments& arguments, const std::filesystem::path& output, const BakedMesh& baked) {
   print_source(arguments.input, baked);
   for (std::size_t i = 0; i < baked.hierarchy.levels.size(); ++i) {
     print_level(i + 1, baked.hierarchy.levels[i], baked.report.levels.at(i).seconds);
   }
   if (baked.hierarchy.truncated) std::cout << "the time limit cut the work short\n";
   std::cout << "wrote " << output.string() << '\n';
+}
 
-  if (!arguments.json.empty()) {
-    const Usage usage = process_usage();
-    nlohmann::ordered_json json = {{"input", arguments.input.string()}, {"output", output.string()}};
-    json.update(to_json(baked));
-    json["seconds"] = seconds;
-    json["bake_seconds"] = baked.report.seconds;
-    json["cpu_seconds"] = usage.cpu_seconds;
-    json["peak_rss_bytes"] = usage.peak_rss_bytes;
-    write_json(arguments.json, json);
-  }
+void run_bake(const BakeArguments& arguments) {
+  const auto began = std::chrono::steady_clock::now();
+  const InterruptScope scope;
+  const std::filesystem::path output = checked_output(arguments);
+  const BakedMesh baked = read_and_bake(arguments);
+  write_certified_asset(output, baked.hierarchy);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  print_bake(arguments, output, baked);
+  if (arguments.json.empty()) return;
+
+  const Usage usage = process_usage();
+  nlohmann::ordered_json json = {{"input", arguments.input.string()}, {"output", output.string()}};
+  json.update(to_json(baked));
+  json["seconds"] = seconds;
+  json["bake_seconds"] = baked.report.seconds;
+  json["cpu_seconds"] = usage.cpu_seconds;
+  json["peak_rss_bytes"] = usage.peak_rss_bytes;
+  write_json(arguments.json, json);
 }
 
 }  // namespace
@@ -129,37 +136,22 @@ void add_bake(CLI::App& app, int& /*status*/) {
   bake->add_option("input", a->input, "Mesh: .obj, .ply, .stl, .off, .gltf or .glb")->required()->type_name("IN");
   bake->add_option("-o,--output", a->output, "Asset to write; by default IN's name with .glb in the current folder")
       ->type_name("OUT.glb");
-  CLI::Option* faces =
-      bake->add_option("--faces", a->options.faces, "Triangles per level, fine to coarse, separated by commas")
-          ->delimiter(',')
-          ->check(CLI::Range(std::int64_t{4}, std::int64_t{1} << 31))
-          ->type_name("N,...");
+  CLI::Option* faces = add_faces(*bake, a->options);
   CLI::Option* ratio = bake->add_option("--ratio", a->ratio, "Faces of a level over faces of the one before")
-                           ->check(between(0, 1, "between 0 and 1"))
+                           ->check(between(0, 1, "a number between 0 and 1"))
                            ->excludes(faces)
                            ->type_name("R");
   CLI::Option* levels = bake->add_option("--levels", a->levels, "Number of cages")
-                            ->check(CLI::Range(1, 64))
+                            ->check(CLI::Range(1, 64).description(""))
                             ->excludes(faces)
                             ->type_name("N");
-  const std::map<std::string, BakeMethod> methods = {{"auto", BakeMethod::automatic},
-                                                     {"collapse", BakeMethod::collapse}};
-  bake->add_option("--method", a->options.method, "How cages are made: auto or collapse (default auto)")
-      ->transform(CLI::CheckedTransformer(methods))
-      ->type_name("M");
-  const std::map<std::string, Topology> topologies = {
-      {"any", Topology::any}, {"keep", Topology::keep}, {"simplify", Topology::simplify}};
-  bake->add_option("--topology", a->options.topology,
-                   "any: whatever is tightest; keep: the genus of the source; simplify: fewer handles (default any)")
-      ->transform(CLI::CheckedTransformer(topologies))
-      ->type_name("T");
+  add_method(*bake, a->options);
+  add_topology(*bake, a->options);
   bake->add_option("--min-clearance", a->options.min_clearance,
                    "Least distance between consecutive surfaces, in diagonals of the source (default 1e-5)")
-      ->check(between(0, 0.1, "between 0 and 0.1"))
+      ->check(between(0, 0.1, "a number between 0 and 0.1"))
       ->type_name("D");
-  bake->add_option("--threads", a->options.threads, "Threads, 0 for all; the result does not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->type_name("N");
+  add_threads(*bake, a->options);
   CLI::Option* time_limit =
       bake->add_option("--time-limit", a->time_limit, "Stop improving after so many seconds; the result may then vary")
           ->check(between(0, 1e9, "a number of seconds above 0"))

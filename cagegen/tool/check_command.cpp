@@ -60,10 +60,10 @@ CheckReport check(const CheckArguments& a) {
   try {
     hierarchy = read_asset(a.asset, Verify::all);
   } catch (const Error& error) {
-    return {{{"file", Verdict::refuted, error.what()}}};
+    return {{{"file", CheckVerdict::refuted, error.what()}}};
   }
   CheckReport report = check_asset(hierarchy, source ? &*source : nullptr);
-  report.checks.insert(report.checks.begin(), {"file", Verdict::holds, "every byte as written"});
+  report.checks.insert(report.checks.begin(), {"file", CheckVerdict::holds, "every byte as written"});
   return report;
 }
 

@@ -19,11 +19,14 @@ std::string version_text() {
 int run(int argc, char** argv) {
   CLI::App app("Certified nested cages around triangle meshes, for fast collision rejection.", "encage");
   app.set_version_flag("--version", version_text());
-  app.require_subcommand(1);
-  app.failure_message(CLI::FailureMessage::simple);
+  app.require_subcommand(0, 1);  // an unknown word is then reported as such
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return std::string("encage: ") + error.what() + "\nencage --help and encage COMMAND --help say more.\n";
+  });
 
   int status = encage::tool::success;
   encage::tool::add_bake(app, status);
+  encage::tool::add_check(app, status);
   encage::tool::add_info(app, status);
   encage::tool::add_export(app, status);
   encage::tool::add_render(app, status);
@@ -34,6 +37,7 @@ int run(int argc, char** argv) {
     // exit() prints the help that was asked for, or the mistake.
     return app.exit(error) == 0 ? encage::tool::success : encage::tool::bad_input;
   }
+  if (app.get_subcommands().empty()) throw encage::Error("which command? encage --help lists them");
   if (!std::cout.flush()) throw encage::Error("standard output: cannot write");
   return status;
 }

@@ -8,14 +8,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <system_error>
 
 #include "cagegen/tool/cage_json.h"
+#include "cagegen/tool/is_asset.h"
 #include "src/atomic_file.h"
 
 namespace encage::tool {
@@ -27,15 +25,6 @@ namespace {
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code missing;
   return fs::equivalent(a, b, missing);
-}
-
-/// A look at the first bytes is enough: it decides about replacing a file, not about using it.
-bool looks_like_asset(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(64 * 1024, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
-  return head.starts_with("glTF") && head.find("ENCAGE_cages") != std::string::npos;
 }
 
 bool same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
@@ -73,7 +62,7 @@ void check_output(const fs::path& file, const fs::path& input) {
 fs::path default_asset(const fs::path& input) {
   fs::path file = input.filename().replace_extension(".glb");
   if (same_file(file, input)) file.replace_extension(".cages.glb");
-  if (fs::exists(file) && !looks_like_asset(file)) {
+  if (fs::exists(file) && !is_asset(file)) {
     throw Error(file.string() + ": exists and holds no cages; choose the output with -o");
   }
   return file;

@@ -2,12 +2,8 @@
 #include <encage/asset.h>
 #include <encage/bake.h>
 
-#include <algorithm>
-#include <array>
 #include <charconv>
-#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -17,6 +13,7 @@
 #include "cagegen/render/levels.h"
 #include "cagegen/render/render.h"
 #include "cagegen/tool/command.h"
+#include "cagegen/tool/is_asset.h"
 #include "cagegen/tool/output_file.h"
 
 namespace encage::tool {
@@ -49,20 +46,6 @@ struct RenderArguments {
   std::string focus;
   std::string up = "z";
 };
-
-// Whether this is a .glb of ours: only those are read as assets, other .glb files as meshes.
-bool is_asset(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::array<unsigned char, 20> head{};
-  if (!in.read(reinterpret_cast<char*>(head.data()), head.size())) return false;
-  if (std::string(head.begin(), head.begin() + 4) != "glTF") return false;
-  std::size_t length = 0;  // of the JSON chunk, little-endian
-  for (int i = 3; i >= 0; --i) length = length << 8 | head[12 + i];
-  length = std::min<std::size_t>(length, fs::file_size(file));
-  std::string json(length, '\0');
-  in.read(json.data(), static_cast<std::streamsize>(length));
-  return json.find("\"ENCAGE_cages\"") != std::string::npos;
-}
 
 // Level 0 first, in the coordinates of the source file; a mesh file has nothing else.
 std::vector<TriangleMesh> read_levels(const fs::path& file) {

@@ -103,19 +103,19 @@ struct CertifyResult {
 /// docs/certificate.md says how it is proven.
 CertifyResult certify(const TriangleMesh& inner, Solid inner_solid, const TriangleMesh& cage);
 
-enum class Verdict {
+enum class CheckVerdict {
   holds,     ///< proven
   refuted,   ///< proven wrong
   unproven,  ///< cannot be decided from what was given
 };
 
-const char* name(Verdict verdict) noexcept;
+const char* name(CheckVerdict verdict) noexcept;
 
 /// What came of checking an asset again.
 struct CheckReport {
   struct Check {
     std::string subject;  ///< e.g. "level 2 nesting"
-    Verdict verdict = Verdict::unproven;
+    CheckVerdict verdict = CheckVerdict::unproven;
     std::string detail;   ///< one sentence
   };
   std::vector<Check> checks;

@@ -63,11 +63,11 @@ CheckReport::Check find(const CheckReport& report, const std::string& subject) {
 }
 
 /// The only check that does not hold.
-void expect_only(const CheckReport& report, const std::string& subject, Verdict verdict, const std::string& detail) {
+void expect_only(const CheckReport& report, const std::string& subject, CheckVerdict verdict, const std::string& detail) {
   EXPECT_FALSE(report.holds());
   for (const CheckReport::Check& c : report.checks) {
     if (c.subject == subject) continue;
-    EXPECT_EQ(c.verdict, Verdict::holds) << c.subject << ": " << c.detail;
+    EXPECT_EQ(c.verdict, CheckVerdict::holds) << c.subject << ": " << c.detail;
   }
   const CheckReport::Check c = find(report, subject);
   EXPECT_EQ(c.verdict, verdict);
@@ -78,7 +78,7 @@ TEST(CheckAsset, HoldsWithAndWithoutSource) {
   const Asset asset;
   for (const SourceMesh* source : {static_cast<const SourceMesh*>(nullptr), &asset.source}) {
     const CheckReport report = check_asset(asset.hierarchy, source);
-    for (const CheckReport::Check& c : report.checks) EXPECT_EQ(c.verdict, Verdict::holds) << c.subject << c.detail;
+    for (const CheckReport::Check& c : report.checks) EXPECT_EQ(c.verdict, CheckVerdict::holds) << c.subject << c.detail;
     EXPECT_TRUE(report.holds());
     EXPECT_EQ(report.checks.size(), source ? 9U : 6U);
   }
@@ -88,7 +88,7 @@ TEST(CheckAsset, LevelsAreProvenAroundOneAnother) {
   Asset asset;
   std::swap(asset.hierarchy.levels[1], asset.hierarchy.levels[2]);
   const CheckReport report = check_asset(asset.hierarchy);
-  EXPECT_EQ(find(report, "level 3 nesting").verdict, Verdict::refuted);
+  EXPECT_EQ(find(report, "level 3 nesting").verdict, CheckVerdict::refuted);
   EXPECT_EQ(find(report, "level 3 nesting").detail, "the component of inner triangle 0 lies outside the cage");
 }
 
@@ -96,36 +96,36 @@ TEST(CheckAsset, LevelOneIsProvenAroundTheSource) {
   Asset asset;
   asset.source.obstacle.vertices.row(7) *= 2;
   const CheckReport report = check_asset(asset.hierarchy, &asset.source);
-  EXPECT_EQ(find(report, "level 1 nesting").verdict, Verdict::refuted);
+  EXPECT_EQ(find(report, "level 1 nesting").verdict, CheckVerdict::refuted);
   EXPECT_NE(find(report, "level 1 nesting").detail.find("touches inner triangle"), std::string::npos);
-  EXPECT_EQ(find(report, "fine mesh").verdict, Verdict::refuted);
+  EXPECT_EQ(find(report, "fine mesh").verdict, CheckVerdict::refuted);
 }
 
 TEST(CheckAsset, LevelOneIsProvenAroundTheFineMesh) {
   Asset asset;
   asset.hierarchy.fine.vertices.row(7) *= 2;
-  expect_only(check_asset(asset.hierarchy), "level 1 nesting", Verdict::refuted, "touches inner triangle");
+  expect_only(check_asset(asset.hierarchy), "level 1 nesting", CheckVerdict::refuted, "touches inner triangle");
 }
 
 TEST(CheckAsset, WithoutTheFineMeshLevelOneNeedsTheSource) {
   Asset asset;
   asset.hierarchy.fine = {};
-  expect_only(check_asset(asset.hierarchy), "level 1 nesting", Verdict::unproven, "only with --source");
+  expect_only(check_asset(asset.hierarchy), "level 1 nesting", CheckVerdict::unproven, "only with --source");
   EXPECT_TRUE(check_asset(asset.hierarchy, &asset.source).holds());
   // What can be proven of the cage alone still is.
   asset.hierarchy.levels[0].mesh.triangles.col(0).swap(asset.hierarchy.levels[0].mesh.triangles.col(1));
-  EXPECT_EQ(find(check_asset(asset.hierarchy), "level 1 nesting").verdict, Verdict::refuted);
+  EXPECT_EQ(find(check_asset(asset.hierarchy), "level 1 nesting").verdict, CheckVerdict::refuted);
 }
 
 TEST(CheckAsset, AClearanceWithinTheErrorOfTheFineMeshProvesNothing) {
   Asset asset;
   const double clearance = asset.hierarchy.levels[0].certificate.clearance;
   asset.hierarchy.fine_error = 1.001 * clearance;
-  expect_only(check_asset(asset.hierarchy), "level 1 nesting", Verdict::unproven, "only with --source");
+  expect_only(check_asset(asset.hierarchy), "level 1 nesting", CheckVerdict::unproven, "only with --source");
   EXPECT_TRUE(check_asset(asset.hierarchy, &asset.source).holds());
   // The claim is larger than the error, the distance to the fine mesh is not.
   asset.hierarchy.levels[0].certificate.clearance = 1.002 * clearance;
-  expect_only(check_asset(asset.hierarchy), "level 1 nesting", Verdict::unproven, "only with --source");
+  expect_only(check_asset(asset.hierarchy), "level 1 nesting", CheckVerdict::unproven, "only with --source");
 }
 
 TEST(CheckAsset, EveryStoredFigureIsCompared) {
@@ -133,7 +133,7 @@ TEST(CheckAsset, EveryStoredFigureIsCompared) {
   const auto refuted = [&](const std::string& field, auto&& change) {
     Asset asset = sound;
     change(asset.hierarchy.levels[1].certificate);
-    expect_only(check_asset(asset.hierarchy), "level 2 certificate", Verdict::refuted, " " + field);
+    expect_only(check_asset(asset.hierarchy), "level 2 certificate", CheckVerdict::refuted, " " + field);
   };
   refuted("clearance", [](Certificate& c) { c.clearance *= 1.0001; });
   refuted("clearance", [](Certificate& c) { c.clearance = 0; });
@@ -155,7 +155,7 @@ TEST(CheckAsset, TheSourceMustBeTheOneThatWasBaked) {
   const auto refuted = [&](const std::string& subject, const std::string& detail, auto&& change) {
     Asset asset = sound;
     change(asset.source);
-    expect_only(check_asset(asset.hierarchy, &asset.source), subject, Verdict::refuted, detail);
+    expect_only(check_asset(asset.hierarchy, &asset.source), subject, CheckVerdict::refuted, detail);
   };
   refuted("source hash", "was made from", [](SourceMesh& s) { s.hash.low ^= 1; });
   refuted("source description", "origin", [](SourceMesh& s) { s.origin[1] = 1; });
@@ -171,13 +171,13 @@ TEST(CheckAsset, TheSourceMustBeTheOneThatWasBaked) {
 TEST(CheckAsset, CoordinatesMustBeFloat32) {
   Asset asset;
   asset.hierarchy.levels[2].mesh.vertices(0, 0) += 1e-12;
-  expect_only(check_asset(asset.hierarchy), "level 3 vertices", Verdict::refuted, "float32");
+  expect_only(check_asset(asset.hierarchy), "level 3 vertices", CheckVerdict::refuted, "float32");
 }
 
 TEST(CheckAsset, NoLevels) {
   Asset asset;
   asset.hierarchy.levels.clear();
-  expect_only(check_asset(asset.hierarchy), "levels", Verdict::refuted, "no cage");
+  expect_only(check_asset(asset.hierarchy), "levels", CheckVerdict::refuted, "no cage");
 }
 
 TEST(CheckAsset, SurfaceOnlyHasNoRatio) {
@@ -186,7 +186,7 @@ TEST(CheckAsset, SurfaceOnlyHasNoRatio) {
   asset.hierarchy.source_volume = 0;
   for (CageLevel& level : asset.hierarchy.levels) level.certificate.volume_ratio.reset();
   EXPECT_TRUE(check_asset(asset.hierarchy).holds());
-  EXPECT_STREQ(name(Verdict::unproven), "unproven");
+  EXPECT_STREQ(name(CheckVerdict::unproven), "unproven");
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ TEST_F(BakeCommand, BadOptionsAreNamed) {
     options.insert(options.begin(), {"bake", "model.obj"});
     expect_refused(options, named);
   }
-  expect_refused({"bake"}, "IN");
+  expect_refused({"bake"}, "input is required");
 }
 
 TEST_F(BakeCommand, CtrlCLeavesNothingBehind) {
