@@ -162,7 +162,7 @@ std::string to_markdown(const std::vector<Model>& models, const Summary& summary
         out += " – | – | – |";
       } else {
         out += text(" %lld | ", level.at("faces").get<long long>()) + ratio_text(level) + " | " +
-               level.at("start").get<std::string>() + " |";
+               escaped(level.at("start").get<std::string>()) + " |";
       }
     }
     out += std::string(" ") + yes(model.certified()) + " |\n";
