@@ -3,6 +3,7 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace encage::io {
@@ -78,7 +79,11 @@ class Clipper {
     const std::int32_t a = previous_[at], c = next_[at];
     if (turn(a, at, c) != CGAL::LEFT_TURN) return false;
     if (!clear) return true;
+    const auto [left, right] = std::minmax({points_[a].x(), points_[at].x(), points_[c].x()});
+    const auto [bottom, top] = std::minmax({points_[a].y(), points_[at].y(), points_[c].y()});
     for (std::int32_t v = next_[c]; v != a; v = next_[v]) {
+      const double x = points_[v].x(), y = points_[v].y();
+      if (x < left || x > right || y < bottom || y > top) continue;
       // Chains with bridges visit places twice; a vertex at a corner does not block.
       if (points_[v] == points_[a] || points_[v] == points_[at] || points_[v] == points_[c]) continue;
       if (turn(a, at, v) != CGAL::RIGHT_TURN && turn(at, c, v) != CGAL::RIGHT_TURN &&
