@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "broadphase/frame.h"
+
+namespace encage {
+
+enum class Side { outside, inside, unknown };
+
+/// Where a point lies with respect to a closed surface: inside where the winding
+/// number is not zero. Exact for the point and the float32 triangles as given;
+/// `unknown` if rounding leaves it open.
+Side locate(const Surface& surface, const Eigen::Vector3d& point) noexcept;
+
+/// True only if every component of `guest` is proven to lie outside the solid
+/// that `host` bounds. Call it where the surfaces are known not to touch: one
+/// point then stands for its component. `frame` maps guest's frame to host's.
+bool all_outside(const Surface& host, const Surface& guest, const PairFrame& frame) noexcept;
+
+/// For a host whose interior is unknown: false only if some vertex of the guest
+/// is proven to lie outside the host's box. `frame` maps the guest's frame to
+/// the host's, with errors up to `slack`.
+bool could_hold(const Shape& host, const Shape& guest, const PairFrame& frame, double slack) noexcept;
+
+}  // namespace encage
