@@ -21,6 +21,7 @@ namespace {
 
 constexpr int samples = 2;         // a pixel, in x and in y
 constexpr int occlusion_rays = 6;  // a sample
+constexpr double golden_turn = 0.3819660112501051;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Light is added linearly; a square root is close enough to the display's curve,
@@ -38,6 +39,21 @@ std::uint32_t scramble(std::uint32_t x) {
   return x ^ (x >> 15);
 }
 
+// How a sample turns and stretches the spirals that rays are spread on.
+struct Shift {
+  double radius;  // in [0,1)
+  double turn;
+};
+
+// Differs from pixel to pixel; the samples of one pixel share out what lies between.
+Shift shift_of(int sx, int sy) {
+  const auto px = static_cast<std::uint32_t>(sx / samples), py = static_cast<std::uint32_t>(sy / samples);
+  const std::uint32_t seed = scramble(py * 65536U + px);
+  const int index = sy % samples * samples + sx % samples;
+  const double radius = (seed & 0xffffU) / 65536.0 + index / static_cast<double>(samples * samples);
+  return {radius - std::floor(radius), (seed >> 16) / 65536.0 + index * golden_turn / occlusion_rays};
+}
+
 struct Prepared {
   Color linear;
   std::vector<Eigen::Vector3f> normals;
@@ -52,8 +68,8 @@ class Renderer {
  private:
   Color pixel(int x, int y) const;
   Color sample(int sx, int sy) const;
-  Color solid(const Ray& ray, const Hit& hit, std::uint32_t seed) const;
-  float visible_sky(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, std::uint32_t seed) const;
+  Color solid(const Ray& ray, const Hit& hit, const Shift& shift) const;
+  float visible_sky(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, const Shift& shift) const;
   Color translucent(const Color& under, const Ray& ray, const Hit& hit) const;
   void shade_section(Color& color, int sx, int sy) const;
   Eigen::Vector3d normal_at(const Ray& ray, const Hit& hit) const;
@@ -130,14 +146,13 @@ Color Renderer::pixel(int x, int y) const {
 
 Color Renderer::sample(int sx, int sy) const {
   const Eigen::Vector2d position((sx + 0.5) / samples, (sy + 0.5) / samples);
-  const std::uint32_t seed = scramble(static_cast<std::uint32_t>(sy) * 65536U + static_cast<std::uint32_t>(sx));
   Ray ray{view_.eye(), view_.ray_direction(position), 0, infinite};
   Color color = Color::Ones();
   if (clip(ray)) {
     double depth = infinite;
     if (const auto hit = solids_->nearest(ray)) {
       depth = hit->distance;
-      color = solid(ray, *hit, seed);
+      color = solid(ray, *hit, shift_of(sx, sy));
       if (items_[hit->item].edges) color *= 1 - 0.75F * edge_coverage(*hit, position);
     }
     std::vector<Hit> veils;
@@ -155,12 +170,12 @@ Color Renderer::sample(int sx, int sy) const {
   return color;
 }
 
-Color Renderer::solid(const Ray& ray, const Hit& hit, std::uint32_t seed) const {
+Color Renderer::solid(const Ray& ray, const Hit& hit, const Shift& shift) const {
   const Eigen::Vector3d normal = normal_at(ray, hit);
   const Eigen::Vector3d point = ray.origin + hit.distance * ray.direction + 1e-4 * diagonal_ * normal;
   // A lamp of some size: soft edges of shadows.
-  const SinCos place = sincos_turns((seed >> 8 & 0xffU) / 256.0);
-  const double off = 0.1 * std::sqrt((seed & 0xffU) / 256.0);
+  const SinCos place = sincos_turns(shift.turn);
+  const double off = 0.1 * std::sqrt(shift.radius);
   const Eigen::Vector3d lamp = (key_light_ + off * (place.cos * view_.right() + place.sin * view_.up())).normalized();
   Ray shadow{point, lamp, 0, infinite};
   const double facing = normal.dot(key_light_);
@@ -168,7 +183,7 @@ Color Renderer::solid(const Ray& ray, const Hit& hit, std::uint32_t seed) const 
   const float key = lit ? static_cast<float>(facing) : 0.F;
   // Light from above and, weaker, from below, as in a bright room.
   const float hemisphere = static_cast<float>(0.75 + 0.25 * normal.dot(view_.up()));
-  const float sky = hemisphere * visible_sky(point, normal, seed);
+  const float sky = hemisphere * visible_sky(point, normal, shift);
   const Color base = prepared_[hit.item].linear;
   const Eigen::Vector3d half = (key_light_ - ray.direction).normalized();
   double gloss = std::max(0.0, normal.dot(half));
@@ -177,15 +192,14 @@ Color Renderer::solid(const Ray& ray, const Hit& hit, std::uint32_t seed) const 
   return (0.72F * sky + 0.50F * key) * base + highlight * Color::Ones();
 }
 
-float Renderer::visible_sky(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, std::uint32_t seed) const {
+float Renderer::visible_sky(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, const Shift& shift) const {
   const Eigen::Vector3d helper = std::abs(normal.x()) < 0.6 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   const Eigen::Vector3d tangent = normal.cross(helper).normalized(), bitangent = normal.cross(tangent);
-  const double shift = (seed & 0xffffU) / 65536.0, turn = (seed >> 16) / 65536.0;
   int free = 0;
   for (int i = 0; i < occlusion_rays; ++i) {
     // Cosine-weighted: uniform on the disc below the hemisphere, a spiral of golden angles.
-    const double r2 = (i + shift) / occlusion_rays;
-    const SinCos angle = sincos_turns(turn + i * 0.3819660112501051);
+    const double r2 = (i + shift.radius) / occlusion_rays;
+    const SinCos angle = sincos_turns(shift.turn + i * golden_turn);
     const double r = std::sqrt(r2);
     const Eigen::Vector3d direction = r * angle.cos * tangent + r * angle.sin * bitangent + std::sqrt(1 - r2) * normal;
     Ray ray{point, direction, 0, 0.5 * diagonal_};
