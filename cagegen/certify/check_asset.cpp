@@ -189,7 +189,8 @@ const char* name(CheckVerdict verdict) noexcept {
 }
 
 bool CheckReport::holds() const {
-  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.verdict == CheckVerdict::holds; });
+  return std::all_of(checks.begin(), checks.end(),
+                     [](const Check& check) { return check.verdict == CheckVerdict::holds; });
 }
 
 CheckReport check_asset(const CageHierarchy& hierarchy, const SourceMesh* source) {

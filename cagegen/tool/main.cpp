@@ -30,6 +30,7 @@ int run(int argc, char** argv) {
   encage::tool::add_info(app, status);
   encage::tool::add_export(app, status);
   encage::tool::add_render(app, status);
+  encage::tool::add_query(app, status);
 
   try {
     app.parse(argc, argv);

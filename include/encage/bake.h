@@ -97,10 +97,9 @@ struct CertifyResult {
 /// that every component of `inner` lies inside. `inner_solid` says whether
 /// inner's interior has to be inside too (cavities of the cage must not lie in
 /// it). The clearance is never above the distance of the surfaces, and below it
-/// by no more than a millionth, and rounding of 2^-45 of the triangles' size. Meshes are taken as they are: what they need not be is
-/// refused with a reason, never thrown. One thread, re-entrant; about 0.6 us a
-/// triangle of `inner`. Shares no geometry code with the makers beyond CGAL.
-/// docs/certificate.md says how it is proven.
+/// by no more than a millionth, and rounding of 2^-45 of the triangles' size. Meshes are taken as they are: what they
+/// need not be is refused with a reason, never thrown. One thread, re-entrant; about 0.6 us a triangle of `inner`.
+/// Shares no geometry code with the makers beyond CGAL. docs/certificate.md says how it is proven.
 CertifyResult certify(const TriangleMesh& inner, Solid inner_solid, const TriangleMesh& cage);
 
 enum class CheckVerdict {
@@ -116,7 +115,7 @@ struct CheckReport {
   struct Check {
     std::string subject;  ///< e.g. "level 2 nesting"
     CheckVerdict verdict = CheckVerdict::unproven;
-    std::string detail;   ///< one sentence
+    std::string detail;  ///< one sentence
   };
   std::vector<Check> checks;
 

@@ -63,7 +63,8 @@ CheckReport::Check find(const CheckReport& report, const std::string& subject) {
 }
 
 /// The only check that does not hold.
-void expect_only(const CheckReport& report, const std::string& subject, CheckVerdict verdict, const std::string& detail) {
+void expect_only(const CheckReport& report, const std::string& subject, CheckVerdict verdict,
+                 const std::string& detail) {
   EXPECT_FALSE(report.holds());
   for (const CheckReport::Check& c : report.checks) {
     if (c.subject == subject) continue;
@@ -78,7 +79,8 @@ TEST(CheckAsset, HoldsWithAndWithoutSource) {
   const Asset asset;
   for (const SourceMesh* source : {static_cast<const SourceMesh*>(nullptr), &asset.source}) {
     const CheckReport report = check_asset(asset.hierarchy, source);
-    for (const CheckReport::Check& c : report.checks) EXPECT_EQ(c.verdict, CheckVerdict::holds) << c.subject << c.detail;
+    for (const CheckReport::Check& c : report.checks)
+      EXPECT_EQ(c.verdict, CheckVerdict::holds) << c.subject << c.detail;
     EXPECT_TRUE(report.holds());
     EXPECT_EQ(report.checks.size(), source ? 9U : 6U);
   }
