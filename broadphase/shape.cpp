@@ -58,7 +58,7 @@ Surface make_surface(const TriangleMesh& mesh) {
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
     // Labels count up in the order of the first triangles.
     if (label[t] == static_cast<std::int32_t>(surface.component_points.size())) {
-      surface.component_points.push_back(mesh.corner(t, 0).cast<float>());
+      surface.component_points.emplace_back(mesh.corner(t, 0).cast<float>());
     }
   }
   surface.closed = is_closed(mesh);
