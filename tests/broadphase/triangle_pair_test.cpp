@@ -59,15 +59,16 @@ TEST_F(TrianglePairs, NearContactOfEveryFeaturePair) {
   // From contact of two features, moved along their common normal until they miss by `gap`.
   const TriangleD a = {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)};
   const std::vector<TriangleD> placed = {
-      {Vector(0.2, 0.2, 0), Vector(0.1, 0.3, 1), Vector(0.4, 0.2, 1)},      // vertex above the face
+      {Vector(0.2, 0.2, 0), Vector(0.1, 0.3, 1), Vector(0.4, 0.2, 1)},         // vertex above the face
       {Vector(0.5, -0.5, -0.5), Vector(0.5, 0.5, 0.5), Vector(0.5, -0.5, 1)},  // edge over edge
-      {Vector(0, 0, 0), Vector(-1, 0, 0.5), Vector(-1, 1, 0.5)},            // vertex at a vertex
-      {Vector(0.5, 0, 0), Vector(0.2, -1, 0), Vector(0.8, -1, 0)},          // coplanar, vertex at an edge
-      {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, -1, 0)},                 // coplanar, edge at an edge
-      {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)},                  // face upon face
+      {Vector(0, 0, 0), Vector(-1, 0, 0.5), Vector(-1, 1, 0.5)},               // vertex at a vertex
+      {Vector(0.5, 0, 0), Vector(0.2, -1, 0), Vector(0.8, -1, 0)},             // coplanar, vertex at an edge
+      {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, -1, 0)},                    // coplanar, edge at an edge
+      {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)},                     // face upon face
   };
-  const std::vector<Vector> direction = {Vector(0, 0, 1),  Vector(0, -1, 1).normalized(), Vector(-1, 0, 0),
-                                         Vector(0, -1, 0), Vector(0, -1, 0),              Vector(0, 0, 1)};
+  const std::vector<Vector> direction = {Vector(0, 0, 1),  Vector(0, -1, 1).normalized(),
+                                         Vector(-1, 0, 0), Vector(0, -1, 0),
+                                         Vector(0, -1, 0), Vector(0, 0, 1)};
   for (std::size_t i = 0; i < placed.size(); ++i) {
     for (double gap = 1e-12; gap < 10; gap *= 10) {
       TriangleD b = placed[i];
