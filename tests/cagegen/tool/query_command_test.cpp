@@ -51,13 +51,13 @@ class QueryCommand : public testing::Test {
     std::filesystem::create_directories(folder_);
     write_asset(path("two.glb"), boxes({1.0625, 1.5}));
     write_asset(path("one.glb"), boxes({1.25}));
-    write_poses(path("poses.csv"), {step(4, {0, 1.9, 9}), step(5, {0, 2.6, 5.4}), step(6, {0, 3.5})});
+    write_poses(path("poses.csv"), {step(4, {0, 1.9, 9}), step(5, {0, 2.6, 5.4}), step(6, {0, 4.5})});
   }
   ~QueryCommand() override { std::filesystem::remove_all(folder_); }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  // Bodies along (1,1,0), turned so that their faces meet: world boxes overlap up to a distance of 2.83.
+  // Bodies along (1,1,0), turned so that their faces meet: world boxes overlap up to a distance of 4.
   static PoseStep step(std::int64_t number, const std::vector<double>& places) {
     PoseStep result{number, {}};
     for (const double place : places) {
@@ -125,8 +125,8 @@ TEST_F(QueryCommand, MarginAndSampling) {
 
 TEST_F(QueryCommand, ContinuousStepsAreMotionsToTheNext) {
   const std::string lines = run({path("two.glb"), "--poses", path("poses.csv"), "--continuous", "--per-step"});
-  // 2 moves from 9 to 5.4, 1 from 1.9 to 2.6; then 2 is gone.
-  EXPECT_EQ(lines, "step,pairs,boxes,cages_12,cages_12,touching\n4,3,1,1,1,1\n5,1,1,1,1,1\n");
+  // 2 moves from 9 to 5.4, 1 from 1.9 to 2.6: their boxes meet on the way; then 2 is gone.
+  EXPECT_EQ(lines, "step,pairs,boxes,cages_12,cages_12,touching\n4,3,2,2,2,2\n5,1,1,1,1,1\n");
 }
 
 TEST_F(QueryCommand, BadInputIsRefused) {
