@@ -115,7 +115,8 @@ Eigen::AlignedBox3d ball_box(const Shape& shape, const Eigen::Isometry3d& pose) 
 
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept {
   if (!motion.start.matrix().allFinite() || !motion.end.matrix().allFinite()) return {};
-  return pose_box(shape, motion.start).merged(pose_box(shape, motion.end));
+  const Eigen::AlignedBox3d start = pose_box(shape, motion.start);
+  return motion.at_rest() ? start : start.merged(pose_box(shape, motion.end));
 }
 
 }  // namespace encage

@@ -8,8 +8,6 @@
 namespace encage {
 namespace {
 
-bool at_rest(const Motion& motion) { return motion.start.matrix() == motion.end.matrix(); }
-
 bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin) {
   const auto ball = [](const Shape& shape, const Motion& motion) {
     return ball_box(shape, motion.start).merged(ball_box(shape, motion.end));
@@ -64,7 +62,7 @@ Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const 
                       is_usable(motion_b.end) && margin >= 0;
   if (!usable) return {};
   if (body_boxes_apart(a, motion_a, b, motion_b, margin)) return {true, Stage::box, -1};
-  if (!at_rest(motion_a) || !at_rest(motion_b)) return {};
+  if (!motion_a.at_rest() || !motion_b.at_rest()) return {};
 
   const RestingPair pair(a, motion_a.start, b, motion_b.start, margin);
   Verdict last;

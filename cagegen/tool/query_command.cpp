@@ -119,7 +119,7 @@ std::vector<MovingBody> bodies_of(const PoseStep& step, const PoseStep* next, co
   for (const BodyPose& body : step.bodies) {
     const Shape& shape = body.body == first_body ? first : others;
     if (!next) {
-      bodies.push_back({&shape, Motion::at_rest(body.pose)});
+      bodies.push_back({&shape, Motion::resting(body.pose)});
       continue;
     }
     const auto end = std::lower_bound(next->bodies.begin(), next->bodies.end(), body.body,

@@ -34,7 +34,8 @@ struct Motion {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d end = Eigen::Isometry3d::Identity();
 
-  static Motion at_rest(const Eigen::Isometry3d& pose) { return {pose, pose}; }
+  static Motion resting(const Eigen::Isometry3d& pose) { return {pose, pose}; }
+  bool at_rest() const { return start.matrix() == end.matrix(); }
 };
 
 /// The stage that gave a verdict, or the last one that was asked.

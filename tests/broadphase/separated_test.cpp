@@ -45,7 +45,7 @@ struct Body {
 };
 
 Verdict ask(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin = 0) {
-  return separated(*a.shape, Motion::at_rest(pose_a), *b.shape, Motion::at_rest(pose_b), margin);
+  return separated(*a.shape, Motion::resting(pose_a), *b.shape, Motion::resting(pose_b), margin);
 }
 
 Pose shift(double x, double y, double z) {
@@ -404,7 +404,7 @@ TEST(Separated, PosesThatAreNotRigidAnswerMaybe) {
 
 TEST(Separated, AMovingPairIsRejectedByItsSweptBoxesOnly) {
   const Body box = find(bodies(), "box");
-  const Motion still = Motion::at_rest(Pose::Identity());
+  const Motion still = Motion::resting(Pose::Identity());
   const auto sweep = [&](const Pose& from, const Pose& to) {
     return separated(*box.shape, still, *box.shape, {from, to});
   };

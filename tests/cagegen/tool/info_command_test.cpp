@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <encage/asset.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -18,8 +19,11 @@ TEST_F(InfoCommand, PrintsEveryLevel) {
   const CageHierarchy hierarchy = read_asset(folder.path() / "model.glb");
   EXPECT_NE(result.out.find("level 0   576 faces, the source"), std::string::npos) << result.out;
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    char ratio[32];
+    std::snprintf(ratio, sizeof ratio, "%.4f", hierarchy.levels[i].certificate.volume_ratio.value());
     const std::string expected = "level " + std::to_string(i + 1) + "   " +
-                                 std::to_string(hierarchy.levels[i].mesh.triangles.rows()) + " faces, volume ratio 1.";
+                                 std::to_string(hierarchy.levels[i].mesh.triangles.rows()) + " faces, volume ratio " +
+                                 ratio;
     EXPECT_NE(result.out.find(expected), std::string::npos) << result.out;
   }
   EXPECT_NE(result.out.find(to_string(hierarchy.source_hash)), std::string::npos) << result.out;
