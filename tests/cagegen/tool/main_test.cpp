@@ -43,7 +43,8 @@ TEST_F(CommandTest, WrongUsageIsRefused) {
 TEST_F(CommandTest, BadInputOfQueryIsNamed) {
   bake_model();
   folder.write("short.csv", "step,body,x,y,z,qx,qy,qz,qw\n0,0,0,0\n");
-  expect_refused({"query", "missing.glb", "--poses", "short.csv"}, "encage: missing.glb");
+  folder.write("poses.csv", "step,body,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,0,1\n");
+  expect_refused({"query", "missing.glb", "--poses", "poses.csv"}, "encage: missing.glb");
   expect_refused({"query", "model.glb", "--poses", "missing.csv"}, "encage: missing.csv");
   expect_refused({"query", "model.glb", "--poses", "short.csv"}, "encage: short.csv");
   expect_refused({"query", "model.glb"}, "--poses is required");
