@@ -14,21 +14,6 @@ using Vector = Eigen::Vector3d;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
-/// A ray runs along +`axis` and drifts by `slope` along the two axes that follow.
-struct Ray {
-  int axis;
-  double slope1, slope2;
-};
-
-// Skew, so that rays through vertices of axis-aligned models rarely meet edges;
-// several, because one that meets an edge decides nothing.
-constexpr std::array<Ray, 6> rays = {{{0, 0.3719, 0.1427},
-                                      {1, 0.2917, -0.4513},
-                                      {2, -0.1733, 0.3391},
-                                      {0, -0.4271, 0.2239},
-                                      {1, 0.1193, 0.3847},
-                                      {2, 0.4651, -0.2683}}};
-
 /// False only if the ray from `p` is proven to miss the box. Each quotient is
 /// off by at most 2 eps relatively: two roundings.
 bool may_meet(const Ray& ray, const BvhNode& node, const Vector& p) {

@@ -3,9 +3,27 @@
 
 #include "broadphase/frame.h"
 
+#include <array>
+
 namespace encage {
 
 enum class Side { outside, inside, unknown };
+
+/// A ray runs along +`axis` and drifts by `slope1`, `slope2` along the two axes that follow.
+struct Ray {
+  int axis;
+  double slope1, slope2;
+};
+
+// Skew, so that rays through vertices of axis-aligned models rarely meet edges;
+// several, because one that meets an edge decides nothing. No slope exceeds 1/2:
+// the error bounds of locate() rely on it.
+inline constexpr std::array<Ray, 6> rays = {{{0, 0.3719, 0.1427},
+                                             {1, 0.2917, -0.4513},
+                                             {2, -0.1733, 0.3391},
+                                             {0, -0.4271, 0.2239},
+                                             {1, 0.1193, 0.3847},
+                                             {2, 0.4651, -0.2683}}};
 
 /// Where a point lies with respect to a closed surface: inside where the winding
 /// number is not zero. Exact for the point and the float32 triangles as given;

@@ -43,6 +43,41 @@ TEST(Containment, AgreesWithExactWindingNumbers) {
   EXPECT_LE(unknown, asked / 1000);
 }
 
+// A crossing on an edge or a vertex must not be counted once, twice or not at all by chance.
+TEST(Containment, RaysThroughEdgesAndVerticesDecideNothing) {
+  int asked = 0, unknown = 0;
+  for (const Sample& s : sample_shapes(0)) {
+    if (s.hierarchy.solid != Solid::closed) continue;
+    const ShapePtr shape = make_shape(s.hierarchy);
+    const ExactBody exact(Vector::Zero(), s.hierarchy.fine, Eigen::Isometry3d::Identity());
+    for (std::int64_t t = 0; t < s.hierarchy.fine.triangles.rows(); ++t) {
+      const Vector vertex = s.hierarchy.fine.corner(t, 0);
+      const Vector middle = 0.5 * (vertex + s.hierarchy.fine.corner(t, 1));
+      for (const Vector& target : {vertex, middle}) {
+        for (const Ray& ray : rays) {
+          Vector direction;
+          direction[ray.axis] = 1;
+          direction[(ray.axis + 1) % 3] = ray.slope1;
+          direction[(ray.axis + 2) % 3] = ray.slope2;
+          for (const double length : {0.25, 0.7, 1.1}) {
+            const Vector p = target - length * direction;
+            const ExactBody probe(Vector::Zero(), box_mesh(p, p), Eigen::Isometry3d::Identity());
+            if (surfaces_meet(exact, probe, 1e-9)) continue;
+            const Side side = locate(shape->fine, p);
+            ++asked;
+            unknown += side == Side::unknown;
+            if (side != Side::unknown) {
+              ASSERT_EQ(side == Side::inside, winding_number(exact, p) != 0) << s.name << " at " << p.transpose();
+            }
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(asked, 5'000);
+  EXPECT_LE(unknown, asked / 100) << "another ray decides";
+}
+
 TEST(Containment, PointsOnTheSurfaceAreNotOutside) {
   const Sample box = sample_shapes(0)[1];
   const ShapePtr shape = make_shape(box.hierarchy);
