@@ -3,8 +3,6 @@
 
 namespace encage {
 
-Version version() noexcept {
-  return {ENCAGE_VERSION_MAJOR, ENCAGE_VERSION_MINOR, ENCAGE_VERSION_PATCH};
-}
+Version version() noexcept { return {ENCAGE_VERSION_MAJOR, ENCAGE_VERSION_MINOR, ENCAGE_VERSION_PATCH}; }
 
 }  // namespace encage

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 
 namespace encage::tool {
 
@@ -11,10 +10,8 @@ enum Status : int {
   success = 0,
   answer_is_no = 1,  ///< the check failed, the engines disagree
   bad_input = 2,     ///< input or usage; the message is on stderr
+  cancelled = 130,   ///< Ctrl-C, by the shells' convention
 };
-
-/// Set by SIGINT; long work passes it on as BakeContext::cancel.
-extern std::atomic<bool> interrupted;
 
 // Each adds one subcommand. Its callback does the work, writes results to
 // stdout, sets `status`, and throws encage::Error for bad input (main() prints

@@ -20,9 +20,12 @@ namespace encage {
 
 // ---- Files ---------------------------------------------------------------
 
-/// Reads OBJ, PLY, STL, OFF (by CGAL, in double) or glTF/GLB (node transforms
-/// applied). Polygons are kept. Throws Error naming file, element and reason;
-/// refuses NaN, infinity, indices out of range and files without faces.
+/// Reads OBJ, PLY, STL (both in text and binary), OFF (text) or glTF/GLB, in double
+/// and by the extension. Polygons are kept; OBJ points and lines are ignored. STL
+/// vertices with equal coordinates are shared. Of glTF, all triangles of the default
+/// scene, node transforms applied; skins and morph targets stay in their bind pose.
+/// Throws Error naming file, element (counted from 0), line and reason; refuses
+/// NaN, infinity, indices out of range, truncated files and files without faces.
 PolygonMesh read_polygon_mesh(const std::filesystem::path& file);
 
 /// Writes OBJ, PLY, STL or OFF by the extension, atomically (a temporary in the
@@ -30,7 +33,9 @@ PolygonMesh read_polygon_mesh(const std::filesystem::path& file);
 /// format allows. Throws Error.
 void write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh);
 
-/// Fans convex polygons, ear-clips others. Vertices are not moved or merged.
+/// Fans convex polygons, ear-clips others; n corners give n - 2 triangles, in the
+/// order of the polygons. Vertices are not moved or merged. Throws Error for a
+/// polygon with fewer than 3 corners.
 TriangleMesh triangulate(const PolygonMesh& polygons);
 
 // ---- Sanitize ------------------------------------------------------------
@@ -38,31 +43,43 @@ TriangleMesh triangulate(const PolygonMesh& polygons);
 struct SanitizeReport {
   std::int64_t welded_vertices = 0;       ///< merged with an exactly equal one
   std::int64_t isolated_vertices = 0;     ///< dropped: used by no triangle
-  std::int64_t duplicate_triangles = 0;   ///< dropped
-  std::int64_t degenerate_triangles = 0;  ///< replaced by thin valid ones
-  std::int64_t flipped_components = 0;    ///< turned outward
+  std::int64_t duplicate_triangles = 0;   ///< dropped: on the vertices of an earlier one
+  std::int64_t degenerate_triangles = 0;  ///< replaced in `clean` by valid ones
+  std::int64_t flipped_components = 0;    ///< turned outward, or made consistent in themselves
   std::int64_t capped_loops = 0;          ///< boundary loops closed
 };
 
 /// A source made fit for baking. Nothing that was read is moved.
 struct SourceMesh {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< input vertex = origin + vertex, exactly
-  /// What a cage must enclose, local frame: the triangles as read (welded, duplicates
-  /// dropped, degenerate ones kept), then the caps.
+  /// What a cage must enclose, local frame: the points of all triangles as read, then
+  /// the caps. Welded, oriented as `clean`, duplicates dropped; degenerate triangles
+  /// are kept, those that hang on to the surface as the segment (a, b, b) that they
+  /// are. is_closed() holds unless `solid` is surface_only. Every vertex is used.
   TriangleMesh obstacle;
   std::int64_t cap_count = 0;  ///< the last triangles of `obstacle`
-  /// The same surface for the makers: degenerate triangles replaced by thin
-  /// valid ones, outward-oriented, caps included.
+  /// The same surface for the makers, without degenerate triangles, caps included: a
+  /// degenerate triangle in a seam is flipped away (the same points), another one is
+  /// replaced by thin valid ones that contain it. Closed components are oriented
+  /// outward (cavities inward).
   TriangleMesh clean;
+  /// `clean` is a closed, consistently oriented 2-manifold: every edge has exactly two
+  /// triangles, every vertex one fan. It may intersect itself.
+  bool manifold = false;
+  /// capped only if the caps enclose a volume. Flat sheets, and surfaces with an edge
+  /// of several triangles that do not cancel, are surface_only and get no caps.
   Solid solid = Solid::closed;
-  double volume = 0;      ///< of the solid, 0 for surface_only
-  double diagonal = 0;    ///< of the bounds, > 0
-  Hash hash;              ///< of the input as read
+  double volume = 0;    ///< of the solid, > 0; 0 for surface_only
+  double diagonal = 0;  ///< of the bounds, > 0
+  Hash hash;            ///< of the vertices and triangles as passed to sanitize()
   SanitizeReport report;
 };
 
-/// Throws Error for empty meshes, non-finite coordinates, meshes whose extent
-/// float32 cannot hold, and meshes in a single point.
+/// Two triangles on the same vertices with opposite orientation are duplicates as well
+/// (the first stays), unless the surface is closed only with both of them.
+/// Throws Error for meshes without triangles, non-finite coordinates, indices out of
+/// range, meshes in a single point, and an extent above 1e37 or below 1e-30, which
+/// float32 cannot hold. Takes linear time but for unusual holes.
 SourceMesh sanitize(const TriangleMesh& input);
 
 // ---- Certificate ---------------------------------------------------------
@@ -79,8 +96,38 @@ struct CertifyResult {
 /// (closed test; degenerate inner triangles count as segments or points) and
 /// that every component of `inner` lies inside. `inner_solid` says whether
 /// inner's interior has to be inside too (cavities of the cage must not lie in
-/// it). Shares no geometry code with the makers beyond CGAL.
+/// it). The clearance is never above the distance of the surfaces, and below it
+/// by no more than a millionth, and rounding of 2^-45 of the triangles' size. Meshes are taken as they are: what they
+/// need not be is refused with a reason, never thrown. One thread, re-entrant; about 0.6 us a triangle of `inner`.
+/// Shares no geometry code with the makers beyond CGAL. docs/certificate.md says how it is proven.
 CertifyResult certify(const TriangleMesh& inner, Solid inner_solid, const TriangleMesh& cage);
+
+enum class CheckVerdict {
+  holds,     ///< proven
+  refuted,   ///< proven wrong
+  unproven,  ///< cannot be decided from what was given
+};
+
+const char* name(CheckVerdict verdict) noexcept;
+
+/// What came of checking an asset again.
+struct CheckReport {
+  struct Check {
+    std::string subject;  ///< e.g. "level 2 nesting"
+    CheckVerdict verdict = CheckVerdict::unproven;
+    std::string detail;  ///< one sentence
+  };
+  std::vector<Check> checks;
+
+  bool holds() const;  ///< every check does
+};
+
+/// Proves every level of a hierarchy again, around the next finer one, and compares
+/// the stored certificates. Level 1 is proven around `source` if it is given, which is
+/// also compared with what the hierarchy says of it. Without, `hierarchy.fine` stands
+/// in: it lies within fine_error of the source, hence a clearance above fine_error
+/// carries over; if it is smaller, or no fine mesh is stored, level 1 is unproven.
+CheckReport check_asset(const CageHierarchy& hierarchy, const SourceMesh* source = nullptr);
 
 // ---- Bake ----------------------------------------------------------------
 
@@ -91,15 +138,15 @@ struct BakeOptions {
   /// Triangles per level, fine to coarse. Empty: `ratio` and `level_count`; if
   /// these are unset as well, a choice that suits the input's size.
   std::vector<std::int64_t> faces;
-  std::optional<double> ratio;      ///< faces of a level / faces of the one before, in (0,1)
+  std::optional<double> ratio;  ///< faces of a level / faces of the one before, in (0,1)
   std::optional<int> level_count;
   BakeMethod method = BakeMethod::automatic;
   /// any: whatever is tightest; keep: the genus of the source; simplify: prefer fewer handles.
   Topology topology = Topology::any;
-  double min_clearance = 1e-5;      ///< distance between consecutive surfaces, in diagonals of the source
-  int threads = 0;                  ///< 0: all; never changes the result
-  std::optional<double> time_limit; ///< seconds; the only option that may make results vary
-  bool keep_fine = true;            ///< store level 0 in the hierarchy
+  double min_clearance = 1e-5;       ///< distance between consecutive surfaces, in diagonals of the source
+  int threads = 0;                   ///< 0: all; never changes the result
+  std::optional<double> time_limit;  ///< seconds; the only option that may make results vary
+  bool keep_fine = true;             ///< store level 0 in the hierarchy
 };
 
 /// Progress, cancellation and messages. The functions are called from the
@@ -126,7 +173,7 @@ struct BakeReport {
 /// level gets its hull. Throws Error or Cancelled.
 CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const BakeContext& context,
                    BakeReport* report = nullptr);
-CageHierarchy bake(const TriangleMesh& input, const BakeOptions& options,
-                   const BakeContext& context = {}, BakeReport* report = nullptr);
+CageHierarchy bake(const TriangleMesh& input, const BakeOptions& options, const BakeContext& context = {},
+                   BakeReport* report = nullptr);
 
 }  // namespace encage

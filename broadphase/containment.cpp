@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/containment.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+/// False only if the ray from `p` is proven to miss the box. Each quotient is
+/// off by at most 2 eps relatively: two roundings.
+bool may_meet(const Ray& ray, const BvhNode& node, const Vector& p) {
+  const std::array<double, 3> direction = {1, ray.slope1, ray.slope2};
+  double enter = 0;
+  double leave = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const int axis = (ray.axis + k) % 3;
+    double t0 = (static_cast<double>(node.lower[axis]) - p[axis]) / direction[k];
+    double t1 = (static_cast<double>(node.upper[axis]) - p[axis]) / direction[k];
+    if (t0 > t1) std::swap(t0, t1);
+    enter = std::max(enter, t0 - 8 * eps * std::abs(t0));
+    leave = std::min(leave, t1 + 8 * eps * std::abs(t1));
+  }
+  return enter <= leave;
+}
+
+/// Sign with which the ray crosses the triangle: 0 if it misses, no value if rounding
+/// leaves it open. After shearing the ray onto its axis, and with m the largest
+/// coordinate of a corner relative to p, the two coordinates are at most 1.5 m
+/// and off by 3 eps m each; hence an edge function is off by less than 32 eps m^2,
+/// and their mean of depths by less than 128 eps m^3.
+std::optional<int> crossing(const Ray& ray, const TriangleF& triangle, const Vector& p) {
+  std::array<double, 3> x, y, z;
+  double m = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vector d = triangle[k].cast<double>() - p;
+    m = std::max(m, d.cwiseAbs().maxCoeff());
+    x[k] = d[ray.axis];
+    y[k] = d[(ray.axis + 1) % 3] - ray.slope1 * x[k];
+    z[k] = d[(ray.axis + 2) % 3] - ray.slope2 * x[k];
+  }
+  const double edge_error = 32 * eps * m * m;
+  // Products below this could have lost bits to underflow.
+  if (!(edge_error * m > 1e-290)) return std::nullopt;
+  std::array<double, 3> w;
+  bool positive = false, negative = false, open = false;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    w[k] = y[i] * z[j] - z[i] * y[j];
+    if (w[k] > edge_error) {
+      positive = true;
+    } else if (w[k] < -edge_error) {
+      negative = true;
+    } else {
+      open = true;
+    }
+  }
+  if (positive && negative) return 0;
+  const double depth = (w[0] * x[0] + w[1] * x[1] + w[2] * x[2]) * (negative ? -1 : 1);
+  const double depth_error = 4 * edge_error * m;
+  // A triangle wholly behind is missed, whatever the edges say.
+  if (std::max({x[0], x[1], x[2]}) < 0) return 0;
+  if (open) return std::nullopt;
+  if (depth < -depth_error) return 0;
+  if (depth > depth_error) return positive ? 1 : -1;
+  return std::nullopt;
+}
+
+/// Winding number of the surface about `p`, counted along the ray.
+std::optional<int> winding(const Surface& surface, const Ray& ray, const Vector& p) {
+  int sum = 0;
+  std::array<std::int32_t, Bvh::max_depth + 2> stack;
+  int size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const BvhNode& node = surface.nodes[stack[--size]];
+    if (!may_meet(ray, node, p)) continue;
+    if (!node.leaf()) {
+      stack[size++] = node.first + 1;
+      stack[size++] = node.first;
+      continue;
+    }
+    for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
+      const std::optional<int> sign = crossing(ray, surface.triangles[t], p);
+      if (!sign) return std::nullopt;
+      sum += *sign;
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+Side locate(const Surface& surface, const Vector& point) noexcept {
+  const BvhNode& root = surface.nodes[0];
+  for (int axis = 0; axis < 3; ++axis) {
+    if (point[axis] < static_cast<double>(root.lower[axis]) || point[axis] > static_cast<double>(root.upper[axis])) {
+      return Side::outside;
+    }
+  }
+  for (const Ray& ray : rays) {
+    if (const std::optional<int> number = winding(surface, ray, point)) {
+      return *number != 0 ? Side::inside : Side::outside;
+    }
+  }
+  return Side::unknown;
+}
+
+bool all_outside(const Surface& host, const Surface& guest, const PairFrame& frame) noexcept {
+  return std::all_of(guest.component_points.begin(), guest.component_points.end(),
+                     [&](const Eigen::Vector3f& x) { return locate(host, frame.map(x)) == Side::outside; });
+}
+
+bool could_hold(const Shape& host, const Shape& guest, const PairFrame& frame, double slack) noexcept {
+  const BvhNode& root = host.outer().nodes[0];
+  const double reach = slack + (1 + 1e-8) * (host.outer_error() + guest.fine_error);
+  for (const Eigen::Vector3f& x : guest.extremes) {
+    const Vector p = frame.map(x);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (p[axis] < static_cast<double>(root.lower[axis]) - reach) return false;
+      if (p[axis] > static_cast<double>(root.upper[axis]) + reach) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace encage

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "broadphase/shape.h"
+
+namespace encage {
+
+/// Whether queries may use the pose: finite, and its linear part farther than
+/// 1e-9 from orthonormal neither in any direction.
+bool is_usable(const Eigen::Isometry3d& pose) noexcept;
+
+/// Upper bound of the spectral norm of R^T R - I, rounding included.
+double departure_from_rigid(const Eigen::Matrix3d& linear) noexcept;
+
+/// The local frame of b seen from the local frame of a: x -> rotation * x + translation.
+struct PairFrame {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
+
+  Eigen::Vector3d map(const Eigen::Vector3f& x) const { return rotation * x.cast<double>() + translation; }
+};
+
+PairFrame relative_frame(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
+                         const Eigen::Isometry3d& pose_b) noexcept;
+
+/// Distance in the frames of a pair, as computed, that proves a distance of
+/// more than `margin` between the surfaces in the world. It covers, with room
+/// to decide containment by a computed point (docs/guarantee.md, "Frames"): the
+/// rounding of relative_frame() and map(), of projections on an axis and of box
+/// tests, and the poses' departure from rigid.
+double required_distance(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
+                         const Eigen::Isometry3d& pose_b, double margin) noexcept;
+
+/// True if the boxes are proven farther apart than `margin`.
+bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, double margin) noexcept;
+
+/// World box of the body at one pose, rounding included.
+Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept;
+
+/// Cheaper and looser: the box of the ball about the local origin. It contains pose_box().
+Eigen::AlignedBox3d ball_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept;
+
+}  // namespace encage

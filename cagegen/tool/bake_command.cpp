@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/asset.h>
+#include <encage/bake.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "cagegen/tool/bake_mesh.h"
+#include "cagegen/tool/bake_options.h"
+#include "cagegen/tool/command.h"
+#include "cagegen/tool/interrupt.h"
+#include "cagegen/tool/output_file.h"
+#include "cagegen/tool/progress.h"
+
+namespace encage::tool {
+
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  encage bake model.obj
+      cages that suit the model's size, into model.glb in the current folder
+  encage bake model.obj -o cages.glb --faces 8000,2000,500
+      three nested cages of at most that many triangles
+  encage bake model.obj --ratio 0.25 --levels 4 --json bake.json
+      four cages, each with a quarter of the faces of the one before; figures as JSON)";
+
+struct BakeArguments {
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::filesystem::path json;
+  double ratio = 0;
+  int levels = 0;
+  double time_limit = 0;
+  bool no_source = false;
+  BakeOptions options;
+};
+
+/// Both ends excluded. (CLI::Range includes them, and accepts NaN.)
+CLI::Validator between(double low, double high, const std::string& wanted) {
+  return CLI::Validator(
+      [=](std::string& text) -> std::string {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value > low && value < high) return {};
+        return text + " is not " + wanted;
+      },
+      "");
+}
+
+void print_level(std::size_t number, const CageLevel& level, double seconds) {
+  const Certificate& c = level.certificate;
+  char volume[64];
+  if (c.volume_ratio) {
+    std::snprintf(volume, sizeof volume, "volume ratio %.4f", *c.volume_ratio);
+  } else {
+    std::snprintf(volume, sizeof volume, "volume %.6g", c.volume);
+  }
+  char line[256];
+  std::snprintf(line, sizeof line, "level %zu: %7lld faces  %s  clearance %.3g  %s", number,
+                static_cast<long long>(level.mesh.triangles.rows()), volume, c.clearance, name(c.method));
+  std::cout << line;
+  if (!c.start.empty()) std::cout << " from " << c.start;
+  std::snprintf(line, sizeof line, "  %.2f s", seconds);
+  std::cout << line << '\n';
+}
+
+void print_source(const std::filesystem::path& input, const BakedMesh& baked) {
+  std::cout << input.string() << ": " << baked.input_faces << " triangles, " << name(baked.source.solid);
+  const std::string changes = describe(baked.source.report);
+  if (!changes.empty()) std::cout << " (" << changes << ")";
+  std::cout << '\n';
+}
+
+/// Where the asset goes. Throws Error if a result could not be written, before any long work.
+std::filesystem::path checked_output(const BakeArguments& arguments) {
+  const std::filesystem::path output = arguments.output.empty() ? default_asset(arguments.input) : arguments.output;
+  if (output.extension() != ".glb") throw Error(output.string() + ": cages are written as .glb only");
+  check_output(output, arguments.input);
+  if (arguments.json.empty()) return output;
+  check_output(arguments.json, arguments.input);
+  if (arguments.json.lexically_normal() == output.lexically_normal()) {
+    throw Error(output.string() + ": asset and JSON cannot be the same file");
+  }
+  return output;
+}
+
+BakedMesh read_and_bake(const BakeArguments& arguments) {
+  Progress progress = Progress::on_stderr();
+  progress.update(0, "reading");
+  const TriangleMesh mesh = read_mesh(arguments.input);
+  throw_if_interrupted();
+  progress.update(0, "sanitizing");
+  BakedMesh baked = bake_mesh(arguments.input, mesh, arguments.options, progress.context(&interrupted));
+  throw_if_interrupted();
+  return baked;
+}
+
+void print_bake(const BakeArguments& arguments, const std::filesystem::path& output, const BakedMesh& baked) {
+  print_source(arguments.input, baked);
+  for (std::size_t i = 0; i < baked.hierarchy.levels.size(); ++i) {
+    print_level(i + 1, baked.hierarchy.levels[i], baked.report.levels.at(i).seconds);
+  }
+  if (baked.hierarchy.truncated) std::cout << "the time limit cut the work short\n";
+  std::cout << "wrote " << output.string() << '\n';
+}
+
+void run_bake(const BakeArguments& arguments) {
+  const auto began = std::chrono::steady_clock::now();
+  const InterruptScope scope;
+  const std::filesystem::path output = checked_output(arguments);
+  const BakedMesh baked = read_and_bake(arguments);
+  write_certified_asset(output, baked.hierarchy);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  print_bake(arguments, output, baked);
+  if (arguments.json.empty()) return;
+
+  const Usage usage = process_usage();
+  nlohmann::ordered_json json = {{"input", arguments.input.string()}, {"output", output.string()}};
+  json.update(to_json(baked));
+  json["seconds"] = seconds;
+  json["bake_seconds"] = baked.report.seconds;
+  json["cpu_seconds"] = usage.cpu_seconds;
+  json["peak_rss_bytes"] = usage.peak_rss_bytes;
+  write_json(arguments.json, json);
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, int& /*status*/) {
+  CLI::App* bake = app.add_subcommand("bake", "Bake certified nested cages around a mesh");
+  bake->footer(examples);
+  const auto a = std::make_shared<BakeArguments>();
+  bake->add_option("input", a->input, "Mesh: .obj, .ply, .stl, .off, .gltf or .glb")->required()->type_name("IN");
+  bake->add_option("-o,--output", a->output, "Asset to write; by default IN's name with .glb in the current folder")
+      ->type_name("OUT.glb");
+  CLI::Option* faces = add_faces(*bake, a->options);
+  CLI::Option* ratio = bake->add_option("--ratio", a->ratio, "Faces of a level over faces of the one before")
+                           ->check(between(0, 1, "a number between 0 and 1"))
+                           ->excludes(faces)
+                           ->type_name("R");
+  CLI::Option* levels = bake->add_option("--levels", a->levels, "Number of cages")
+                            ->check(CLI::Range(1, 64).description(""))
+                            ->excludes(faces)
+                            ->type_name("N");
+  add_method(*bake, a->options);
+  add_topology(*bake, a->options);
+  bake->add_option("--min-clearance", a->options.min_clearance,
+                   "Least distance between consecutive surfaces, in diagonals of the source (default 1e-5)")
+      ->check(between(0, 0.1, "a number between 0 and 0.1"))
+      ->type_name("D");
+  add_threads(*bake, a->options);
+  CLI::Option* time_limit =
+      bake->add_option("--time-limit", a->time_limit, "Stop improving after so many seconds; the result may then vary")
+          ->check(between(0, 1e9, "a number of seconds above 0"))
+          ->type_name("S");
+  bake->add_flag("--no-source", a->no_source, "Leave the source mesh (level 0) out of the asset");
+  bake->add_option("--json", a->json, "Write the figures as JSON")->type_name("FILE");
+  bake->callback([=] {
+    if (*ratio) a->options.ratio = a->ratio;
+    if (*levels) a->options.level_count = a->levels;
+    if (*time_limit) a->options.time_limit = a->time_limit;
+    a->options.keep_fine = !a->no_source;
+    run_bake(*a);
+  });
+}
+
+}  // namespace encage::tool

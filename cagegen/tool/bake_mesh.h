@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/bake.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace encage::tool {
+
+/// A mesh baked, and what is known of its source.
+struct BakedMesh {
+  std::int64_t input_faces = 0;     ///< triangles as read
+  std::int64_t input_vertices = 0;  ///< as read
+  SourceMesh source;
+  CageHierarchy hierarchy;
+  BakeReport report;
+};
+
+/// Reads and triangulates. Throws Error naming the file.
+TriangleMesh read_mesh(const std::filesystem::path& file);
+
+/// Sanitizes and bakes; `file` is for the messages. Throws Error or Cancelled.
+BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
+                    const BakeContext& context);
+
+/// The keys of the asset (cage_json.h), with the seconds of each level and more
+/// about the source.
+nlohmann::ordered_json to_json(const BakedMesh& baked);
+
+/// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.
+std::string describe(const SanitizeReport& report);
+
+/// What this process has used so far.
+struct Usage {
+  double cpu_seconds = 0;  ///< user and system, all threads
+  std::int64_t peak_rss_bytes = 0;
+};
+Usage process_usage();
+
+}  // namespace encage::tool

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/asset.h>
+#include <encage/bake.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cagegen/tool/bake_mesh.h"
+#include "cagegen/tool/command.h"
+#include "cagegen/tool/output_file.h"
+
+namespace encage::tool {
+
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  encage check model.glb
+      every byte against its hash; every cage proven again around the next finer level
+  encage check model.glb --source model.obj
+      the same, the first cage around the source itself, in double
+
+Each line says holds, refuted or unproven. Without --source the first cage is proven
+around the float32 mesh stored in the asset, if there is one.
+Exit status: 0 if everything holds; 1 if something is refuted or cannot be proven, or
+the asset is damaged; 2 if a file cannot be read or FILE.glb is no binary glTF file.)";
+
+struct CheckArguments {
+  std::filesystem::path asset;
+  std::optional<std::filesystem::path> source;
+  std::optional<std::filesystem::path> json;
+};
+
+/// Throws Error if the file cannot be read or is of another kind: then there is nothing to check.
+void require_glb(const std::filesystem::path& file) {
+  char magic[4] = {};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file)) throw Error(file.string() + ": cannot be opened");
+  stream.read(magic, sizeof magic);
+  if (std::string(magic, sizeof magic) != "glTF") throw Error(file.string() + ": not a binary glTF file");
+}
+
+SourceMesh read_source(const std::filesystem::path& file) {
+  const TriangleMesh mesh = read_mesh(file);
+  try {
+    return sanitize(mesh);
+  } catch (const Error& error) {
+    throw Error(file.string() + ": " + error.what());
+  }
+}
+
+CheckReport check(const CheckArguments& a) {
+  std::optional<SourceMesh> source;
+  if (a.source) source = read_source(*a.source);
+  CageHierarchy hierarchy;
+  try {
+    hierarchy = read_asset(a.asset, Verify::all);
+  } catch (const Error& error) {
+    return {{{"file", CheckVerdict::refuted, error.what()}}};
+  }
+  CheckReport report = check_asset(hierarchy, source ? &*source : nullptr);
+  report.checks.insert(report.checks.begin(), {"file", CheckVerdict::holds, "every byte as written"});
+  return report;
+}
+
+void print(const CheckReport& report) {
+  for (const CheckReport::Check& c : report.checks) {
+    std::cout << std::left << std::setw(10) << name(c.verdict) << std::setw(20) << c.subject << c.detail << '\n';
+  }
+}
+
+nlohmann::ordered_json to_json(const CheckArguments& a, const CheckReport& report) {
+  nlohmann::ordered_json json = {{"asset", a.asset.string()}};
+  if (a.source) json["source"] = a.source->string();
+  json["holds"] = report.holds();
+  json["checks"] = nlohmann::ordered_json::array();
+  for (const CheckReport::Check& c : report.checks) {
+    json["checks"].push_back({{"subject", c.subject}, {"verdict", name(c.verdict)}, {"detail", c.detail}});
+  }
+  return json;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, int& status) {
+  CLI::App* command = app.add_subcommand("check", "Prove the cages of an asset again");
+  command->footer(examples);
+  const auto a = std::make_shared<CheckArguments>();
+  command->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
+  command->add_option("--source", a->source, "The mesh that it was baked from")->type_name("FILE");
+  command->add_option("--json", a->json, "Write the verdicts to this file too")->type_name("FILE");
+  command->callback([a, &status] {
+    require_glb(a->asset);
+    if (a->json) check_output(*a->json, a->asset);
+    if (a->json && a->source) check_output(*a->json, *a->source);
+    const CheckReport report = check(*a);
+    print(report);
+    if (a->json) write_json(*a->json, to_json(*a, report));
+    status = report.holds() ? success : answer_is_no;
+  });
+}
+
+}  // namespace encage::tool

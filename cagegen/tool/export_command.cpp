@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/asset.h>
+#include <encage/bake.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "cagegen/tool/command.h"
+#include "cagegen/tool/output_file.h"
+
+namespace encage::tool {
+
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  encage export model.glb --level 1 -o cage.obj
+      the finest cage, in the coordinates of the source file
+  encage export model.glb --level 0 -o source.ply
+      the source as stored: float32, caps of open boundaries at the end)";
+
+struct ExportArguments {
+  std::filesystem::path asset;
+  std::filesystem::path output;
+  int level = 0;
+};
+
+TriangleMesh level_of(const CageHierarchy& hierarchy, const ExportArguments& arguments) {
+  const std::string where = arguments.asset.string() + ": level " + std::to_string(arguments.level) + ": ";
+  const int count = static_cast<int>(hierarchy.levels.size());
+  if (arguments.level > count) throw Error(where + "the asset has " + std::to_string(count) + " cages");
+  TriangleMesh mesh = arguments.level == 0 ? hierarchy.fine : hierarchy.levels[arguments.level - 1].mesh;
+  if (mesh.triangles.rows() == 0) throw Error(where + "the source is not stored in this asset");
+  mesh.vertices.rowwise() += hierarchy.origin.transpose();
+  return mesh;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& /*status*/) {
+  CLI::App* command = app.add_subcommand("export", "Write one level of an asset as a mesh file");
+  command->footer(examples);
+  const auto a = std::make_shared<ExportArguments>();
+  command->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
+  command->add_option("--level", a->level, "0: the source; 1: the finest cage; and so on")
+      ->required()
+      ->check(CLI::Range(0, 1024))
+      ->type_name("N");
+  command->add_option("-o,--output", a->output, "Mesh to write: .obj, .ply, .stl or .off")
+      ->required()
+      ->type_name("OUT");
+  command->callback([=] {
+    check_output(a->output, a->asset);
+    const TriangleMesh mesh = level_of(read_asset(a->asset, a->level == 0 ? Verify::all : Verify::cages), *a);
+    write_mesh(a->output, mesh);
+    std::cout << "wrote " << a->output.string() << ": " << mesh.triangles.rows() << " faces\n";
+  });
+}
+
+}  // namespace encage::tool

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "src/asset_view.h"
+
+#include <algorithm>
+#include <cassert>
+#include <climits>
+#include <cstring>
+#include <initializer_list>
+#include <set>
+#include <utility>
+
+#include "src/asset_glb.h"
+#include "src/asset_json.h"
+#include "src/hash.h"
+
+namespace encage {
+
+const char* name(SectionKind kind) noexcept {
+  switch (kind) {
+    case SectionKind::cage: return "cage";
+    case SectionKind::fine: return "fine";
+  }
+  return "";
+}
+
+namespace {
+
+template <class Enum>
+Enum enumerator(const JsonNode& node, std::initializer_list<Enum> all) {
+  for (const Enum value : all) {
+    if (node.text() == name(value)) return value;
+  }
+  node.fail("\"" + node.text() + "\" is unknown");
+}
+
+Certificate read_certificate(const JsonNode& level) {
+  Certificate c;
+  c.clearance = level.at("clearance").number();
+  c.volume = level.at("volume").number();
+  if (const auto ratio = level.find("volume_ratio")) c.volume_ratio = ratio->number();
+  c.components = static_cast<int>(level.at("components").integer(0, INT_MAX));
+  c.cavities = static_cast<int>(level.at("cavities").integer(0, INT_MAX));
+  c.genus = static_cast<int>(level.at("genus").integer(0, INT_MAX));
+  if (const auto handles = level.find("no_new_handles")) c.no_new_handles = handles->boolean();
+  c.method = enumerator(level.at("method"), {Method::collapse, Method::flow, Method::hull});
+  c.start = level.at("start").text();
+  return c;
+}
+
+CageHierarchy read_description(const JsonNode& extension) {
+  CageHierarchy h;
+  const JsonNode origin = extension.at("origin");
+  if (origin.size() != 3) origin.fail("has not 3 elements");
+  for (int axis = 0; axis < 3; ++axis) h.origin[axis] = origin.at(std::int64_t{axis}).number();
+  h.solid = enumerator(extension.at("solid"), {Solid::closed, Solid::capped, Solid::surface_only});
+  h.source_hash = extension.at("source_hash").hash();
+  h.source_volume = extension.at("source_volume").number();
+  h.diagonal = extension.at("diagonal").number();
+  h.cap_count = extension.at("cap_count").integer();
+  h.fine_error = extension.at("fine_error").number();
+  h.truncated = extension.at("truncated").boolean();
+  if (const auto options = extension.find("options")) h.options = options->object().dump();
+  const JsonNode levels = extension.at("levels");
+  for (std::int64_t i = 0; i < levels.size(); ++i) {
+    h.levels.push_back({.mesh = {}, .certificate = read_certificate(levels.at(i))});
+  }
+  return h;
+}
+
+/// Before anything else is believed: another version may differ in all but this.
+JsonNode find_extension(const JsonNode& root) {
+  const auto extensions = root.find("extensions");
+  const auto extension = extensions ? extensions->find(asset_extension) : std::nullopt;
+  if (!extension) root.fail(std::string("no extension ") + asset_extension + ": not an Encage asset");
+  const std::int64_t version = extension->at("version").integer();
+  if (version != asset_version) {
+    extension->fail("format version " + std::to_string(version) + " is unknown, this program reads version " +
+                    std::to_string(asset_version));
+  }
+  return *extension;
+}
+
+void check_seal(const Glb& glb, std::span<const std::byte> bytes, Verify verify, const std::string& file) {
+  if (glb.head.size() % asset_alignment != 0) throw Error(file + ": BIN chunk: its data are not 64-byte aligned");
+  if (glb.bin.size() < seal_size) throw Error(file + ": BIN chunk: too short for the seal");
+  const std::string_view seal{reinterpret_cast<const char*>(glb.bin.last(seal_size).data()), seal_size};
+  if (to_string(hash_bytes(glb.head)) != seal.substr(0, seal_hash_size)) {
+    throw Error(file + ": JSON chunk: its hash does not match: the file is damaged");
+  }
+  if (verify == Verify::all &&
+      to_string(hash_bytes(bytes.first(bytes.size() - seal_hash_size))) != seal.substr(seal_hash_size)) {
+    throw Error(file + ": its hash does not match: the file is damaged");
+  }
+}
+
+template <class T>
+std::span<const T> elements(const AssetSection& section) {
+  return {reinterpret_cast<const T*>(section.bytes.data()), section.bytes.size() / sizeof(T)};
+}
+
+}  // namespace
+
+/// Finds sections and meshes in the parsed JSON.
+class AssetView::Parser {
+ public:
+  Parser(const JsonNode& root, const JsonNode& extension, std::span<const std::byte> arrays)
+      : root_(root), table_(extension.at("sections")), arrays_(arrays) {}
+
+  std::vector<AssetSection> read_sections() {
+    std::vector<AssetSection> sections;
+    std::set<std::string> names;
+    std::size_t end = 0;
+    for (std::int64_t i = 0; i < table_.size(); ++i) {
+      const JsonNode entry = table_.at(i);
+      AssetSection section = read_section(entry, end);
+      if (!names.insert(section.name).second) entry.fail("a second section \"" + section.name + "\"");
+      end = static_cast<std::size_t>(section.bytes.data() - arrays_.data()) + section.bytes.size();
+      sections.push_back(std::move(section));
+    }
+    return sections;
+  }
+
+  MeshView read_mesh(std::int64_t index, SectionKind kind, const std::vector<AssetSection>& sections) const {
+    const JsonNode primitives = root_.at("meshes").at(index).at("primitives");
+    if (primitives.size() != 1) primitives.fail("has not 1 element");
+    const JsonNode primitive = primitives.at(std::int64_t{0});
+    if (primitive.at("mode").integer() != 4) primitive.fail("its mode is not 4, triangles");
+    MeshView mesh;
+    const JsonNode positions = accessor(primitive.at("attributes").at("POSITION"), 5126, "VEC3");
+    mesh.vertices = elements<std::array<float, 3>>(section_of(positions, kind, sections));
+    check_count(positions, mesh.vertices.size());
+    const JsonNode indices = accessor(primitive.at("indices"), 5125, "SCALAR");
+    mesh.triangles = elements<std::array<std::uint32_t, 3>>(section_of(indices, kind, sections));
+    check_count(indices, mesh.triangles.size() * 3);
+    return mesh;
+  }
+
+ private:
+  AssetSection read_section(const JsonNode& entry, std::size_t end_of_previous) const {
+    AssetSection section;
+    section.name = entry.at("name").text();
+    section.kind = enumerator(entry.at("kind"), {SectionKind::cage, SectionKind::fine});
+    section.hash = entry.at("hash").hash();
+    const auto limit = static_cast<std::int64_t>(arrays_.size());
+    const JsonNode view = root_.at("bufferViews").at(entry.at("bufferView").integer());
+    if (view.at("buffer").integer() != 0) view.fail("not in the BIN chunk");
+    const std::int64_t offset = view.at("byteOffset").integer(0, limit);
+    const std::int64_t size = view.at("byteLength").integer(1, limit);
+    if (size > limit - offset) view.fail("reaches beyond the BIN chunk");
+    if (offset % asset_alignment != 0) view.fail("byteOffset is not 64-byte aligned");
+    if (offset < static_cast<std::int64_t>(end_of_previous)) view.fail("overlaps the section before");
+    const std::int64_t element_size = entry.at("element_size").integer(1);
+    if (size % element_size != 0) view.fail("byteLength is no multiple of the section's element_size");
+    section.element_size = static_cast<std::size_t>(element_size);
+    section.bytes = arrays_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
+    return section;
+  }
+
+  JsonNode accessor(const JsonNode& reference, std::int64_t component_type, const char* type) const {
+    JsonNode found = root_.at("accessors").at(reference.integer());
+    if (found.at("componentType").integer() != component_type) found.fail("unexpected componentType");
+    if (found.at("type").text() != type) found.fail("unexpected type");
+    if (found.find("byteOffset") || found.find("sparse")) found.fail("byteOffset and sparse are not allowed");
+    return found;
+  }
+
+  /// The section with the accessor's buffer view: triangles and vertices are 12 bytes each.
+  const AssetSection& section_of(const JsonNode& accessor, SectionKind kind,
+                                 const std::vector<AssetSection>& sections) const {
+    const JsonNode view = accessor.at("bufferView");
+    for (std::size_t i = 0; i < sections.size(); ++i) {
+      const JsonNode entry = table_.at(static_cast<std::int64_t>(i));
+      if (entry.at("bufferView").integer() != view.integer()) continue;
+      if (sections[i].element_size != 12) entry.fail("element_size is not 12");
+      if (sections[i].kind != kind) entry.fail(std::string("kind is not \"") + name(kind) + "\"");
+      return sections[i];
+    }
+    view.fail("is in no section");
+  }
+
+  static void check_count(const JsonNode& accessor, std::size_t count) {
+    if (accessor.at("count").integer() != static_cast<std::int64_t>(count)) {
+      accessor.fail("count does not match the section's size");
+    }
+  }
+
+  JsonNode root_;
+  JsonNode table_;
+  std::span<const std::byte> arrays_;
+};
+
+AssetView::AssetView(const std::filesystem::path& file, Verify verify) : map_(file), name_(file.string()) {
+  parse(map_.bytes(), verify);
+}
+
+AssetView::AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify) : name_(name) {
+  assert(reinterpret_cast<std::uintptr_t>(bytes.data()) % asset_alignment == 0);
+  parse(bytes, verify);
+}
+
+void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
+  const Glb glb = parse_glb(bytes, name_);
+  const nlohmann::json document = parse_json(glb.json, name_ + ": JSON chunk");
+  const JsonNode root(document, name_ + ": JSON");
+  const JsonNode extension = find_extension(root);
+  check_seal(glb, bytes, verify, name_);
+
+  Parser parser(root, extension, glb.bin.first(glb.bin.size() - seal_size));
+  sections_ = parser.read_sections();
+  for (const AssetSection& section : sections_) {
+    if (section.kind == SectionKind::cage || verify == Verify::all) verify_hash(section);
+  }
+  description_ = read_description(extension);
+  check_description(description_, name_);
+
+  std::int64_t next_mesh = 0;
+  if (const auto fine = extension.find("fine_mesh")) {
+    fine_ = parser.read_mesh(fine->integer(), SectionKind::fine, sections_);
+    check_caps(description_.cap_count, static_cast<std::int64_t>(fine_->triangles.size()), name_);
+    next_mesh = fine->integer() + 1;
+  }
+  for (std::size_t i = 0; i < description_.levels.size(); ++i) {
+    const JsonNode mesh = extension.at("levels").at(static_cast<std::int64_t>(i)).at("mesh");
+    if (mesh.integer() < next_mesh) mesh.fail("the meshes do not go from fine to coarse");
+    cages_.push_back(parser.read_mesh(mesh.integer(), SectionKind::cage, sections_));
+    next_mesh = mesh.integer() + 1;
+    check_mesh(cages_.back(), name_ + ": " + cage_name(i));
+  }
+}
+
+std::optional<MeshView> AssetView::fine() const {
+  if (fine_) check_mesh(*fine_, name_ + ": source");
+  return fine_;
+}
+
+const AssetSection* AssetView::find_section(std::string_view section_name) const {
+  const auto found = std::find_if(sections_.begin(), sections_.end(),
+                                  [&](const AssetSection& section) { return section.name == section_name; });
+  return found == sections_.end() ? nullptr : &*found;
+}
+
+void AssetView::verify_hash(const AssetSection& section) const {
+  if (hash_bytes(section.bytes) == section.hash) return;
+  throw Error(name_ + ": section \"" + section.name + "\": its hash does not match: the file is damaged");
+}
+
+}  // namespace encage

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <encage/asset.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/asset_rules.h"
+#include "src/mapped_file.h"
+
+namespace encage {
+
+enum class SectionKind {
+  cage,  ///< verified when the asset is opened
+  fine,  ///< verified at first use, or when opened with Verify::all
+};
+
+const char* name(SectionKind kind) noexcept;
+
+/// One array of an asset, 64-byte aligned.
+struct AssetSection {
+  std::string name;  ///< unique within the asset
+  SectionKind kind = SectionKind::cage;
+  std::size_t element_size = 0;      ///< bytes; divides the array's
+  std::span<const std::byte> bytes;  ///< not empty; into the mapped file
+  Hash hash;                         ///< of the bytes, as the file says
+};
+
+/// An asset used in place, without copying (docs/asset.md). Everything handed
+/// out points into the file, which stays mapped as long as the view lives.
+/// Immutable, hence safe to read from any number of threads.
+class AssetView {
+ public:
+  /// Maps the file. Throws Error naming file, section and reason.
+  AssetView(const std::filesystem::path& file, Verify verify);
+  /// An asset that lies in memory, at an address divisible by 64 (asserted). The
+  /// caller keeps the bytes alive; `name` stands for the file in messages.
+  AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify);
+
+  /// The hierarchy without its meshes.
+  const CageHierarchy& description() const { return description_; }
+  const MeshView& cage(std::size_t level) const { return cages_[level]; }
+  /// No value if the asset holds no fine mesh. Validates the arrays, in linear
+  /// time, but does not verify their hashes. Throws Error.
+  std::optional<MeshView> fine() const;
+
+  const std::vector<AssetSection>& sections() const { return sections_; }
+  const AssetSection* find_section(std::string_view section_name) const;  ///< null if there is none
+  /// Throws Error if the section's bytes do not match its hash.
+  void verify_hash(const AssetSection& section) const;
+
+ private:
+  class Parser;
+  void parse(std::span<const std::byte> bytes, Verify verify);
+
+  MappedFile map_;
+  std::string name_;
+  CageHierarchy description_;
+  std::vector<AssetSection> sections_;
+  std::vector<MeshView> cages_;
+  std::optional<MeshView> fine_;
+};
+
+/// The hierarchy with its meshes, copied out of the view. Throws Error.
+CageHierarchy copy_hierarchy(const AssetView& view);
+
+}  // namespace encage

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "src/asset_writer.h"
+
+#include <encage/asset.h>
+#include <encage/version.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+#include <vector>
+
+#include "src/asset_glb.h"
+#include "src/asset_json.h"
+#include "src/asset_rules.h"
+#include "src/asset_view.h"
+#include "src/atomic_file.h"
+#include "src/hash.h"
+
+namespace encage {
+namespace {
+
+using nlohmann::json;  // sorts its keys
+using Float3 = std::array<float, 3>;
+using Index3 = std::array<std::uint32_t, 3>;
+
+/// Kept apart from the conversion: g++ 12 may drop (double)(float)x on the spot.
+[[gnu::noinline]] void check_exact(const Vertices& vertices, const std::vector<Float3>& rounded,
+                                   const std::string& place) {
+  for (std::size_t v = 0; v < rounded.size(); ++v) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = vertices(v, k);
+      if (static_cast<double>(rounded[v][k]) == x || !std::isfinite(x)) continue;
+      char text[32];
+      std::snprintf(text, sizeof text, "%.17g", x);
+      throw Error(place + ": vertex " + std::to_string(v) + ": " + text + " is not exact in float32");
+    }
+  }
+}
+
+[[gnu::noinline]] std::vector<Float3> to_float(const Vertices& vertices) {
+  std::vector<Float3> rounded(static_cast<std::size_t>(vertices.rows()));
+  for (std::size_t v = 0; v < rounded.size(); ++v) {
+    for (std::size_t k = 0; k < 3; ++k) rounded[v][k] = static_cast<float>(vertices(v, k));
+  }
+  return rounded;
+}
+
+std::vector<Index3> to_unsigned(const Triangles& triangles) {
+  std::vector<Index3> indices(static_cast<std::size_t>(triangles.rows()));
+  for (std::size_t t = 0; t < indices.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) indices[t][k] = static_cast<std::uint32_t>(triangles(t, k));
+  }
+  return indices;
+}
+
+json certificate_json(const Certificate& c) {
+  json level = {{"clearance", c.clearance}, {"volume", c.volume}, {"components", c.components},
+                {"cavities", c.cavities},   {"genus", c.genus},   {"method", name(c.method)},
+                {"start", c.start}};
+  if (c.volume_ratio) level["volume_ratio"] = *c.volume_ratio;
+  if (c.no_new_handles) level["no_new_handles"] = *c.no_new_handles;
+  return level;
+}
+
+/// Builds the JSON document and the BIN data side by side.
+class Encoder {
+ public:
+  Encoder(const CageHierarchy& hierarchy, const std::string& file) : hierarchy_(hierarchy), file_(file) {}
+
+  std::string encode(const std::string& generator) {
+    check_description(hierarchy_, file_);
+    check_size();
+    json levels = json::array();
+    json extension = describe();
+    if (hierarchy_.fine.triangles.rows() > 0) {
+      extension["fine_mesh"] = add_mesh(hierarchy_.fine, SectionKind::fine, "source");
+    }
+    for (std::size_t i = 0; i < hierarchy_.levels.size(); ++i) {
+      levels.push_back(certificate_json(hierarchy_.levels[i].certificate));
+      levels.back()["mesh"] = add_mesh(hierarchy_.levels[i].mesh, SectionKind::cage, cage_name(i));
+    }
+    extension["levels"] = std::move(levels);
+    extension["sections"] = std::move(sections_);
+    finish_document(generator, std::move(extension));
+    return seal();
+  }
+
+ private:
+  /// Before anything large is allocated.
+  void check_size() const {
+    std::uint64_t size = mesh_size(hierarchy_.fine) + seal_size;
+    for (const CageLevel& level : hierarchy_.levels) size += mesh_size(level.mesh);
+    glb_head("", size, file_);
+  }
+
+  static std::uint64_t mesh_size(const TriangleMesh& mesh) {
+    return align_up(static_cast<std::uint64_t>(mesh.vertices.rows()) * sizeof(Float3)) +
+           align_up(static_cast<std::uint64_t>(mesh.triangles.rows()) * sizeof(Index3));
+  }
+
+  json describe() const {
+    const Eigen::Vector3d& o = hierarchy_.origin;
+    json extension = {{"version", asset_version},
+                      {"origin", {o.x(), o.y(), o.z()}},
+                      {"solid", name(hierarchy_.solid)},
+                      {"source_hash", to_string(hierarchy_.source_hash)},
+                      {"source_volume", hierarchy_.source_volume},
+                      {"diagonal", hierarchy_.diagonal},
+                      {"cap_count", hierarchy_.cap_count},
+                      {"fine_error", hierarchy_.fine_error},
+                      {"truncated", hierarchy_.truncated}};
+    if (!hierarchy_.options.empty()) {
+      extension["options"] = parse_json(hierarchy_.options, file_ + ": options");
+      if (!extension["options"].is_object()) throw Error(file_ + ": options: not a JSON object");
+    }
+    return extension;
+  }
+
+  /// Appends the arrays of a mesh, its accessors and its node; returns its index.
+  std::size_t add_mesh(const TriangleMesh& mesh, SectionKind kind, const std::string& mesh_name) {
+    const std::string place = file_ + ": " + mesh_name;
+    const std::vector<Float3> vertices = to_float(mesh.vertices);
+    const std::vector<Index3> triangles = to_unsigned(mesh.triangles);
+    check_exact(mesh.vertices, vertices, place);
+    check_mesh({vertices, triangles}, place);
+    if (kind == SectionKind::fine) check_caps(hierarchy_.cap_count, mesh.triangles.rows(), file_);
+
+    constexpr int array_buffer = 34962, element_array_buffer = 34963;  // glTF 2.0, bufferView.target
+    constexpr int float32 = 5126, uint32 = 5125, triangle_mode = 4;
+    Float3 low = vertices[0], high = vertices[0];
+    for (const Float3& vertex : vertices) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], vertex[k]);
+        high[k] = std::max(high[k], vertex[k]);
+      }
+    }
+    const std::size_t accessor = accessors_.size(), index = meshes_.size();
+    accessors_.push_back({{"bufferView", add_section(vertices, kind, mesh_name + " vertices", array_buffer)},
+                          {"componentType", float32},
+                          {"count", vertices.size()},
+                          {"max", high},
+                          {"min", low},
+                          {"type", "VEC3"}});
+    accessors_.push_back({{"bufferView", add_section(triangles, kind, mesh_name + " triangles", element_array_buffer)},
+                          {"componentType", uint32},
+                          {"count", triangles.size() * 3},
+                          {"type", "SCALAR"}});
+    json primitive = {{"attributes", {{"POSITION", accessor}}}, {"indices", accessor + 1}, {"mode", triangle_mode}};
+    if (kind == SectionKind::cage) primitive["material"] = 0;
+    meshes_.push_back({{"name", mesh_name}, {"primitives", json::array({std::move(primitive)})}});
+    const Eigen::Vector3d& o = hierarchy_.origin;
+    nodes_.push_back({{"mesh", index}, {"name", mesh_name}, {"translation", {o.x(), o.y(), o.z()}}});
+    return index;
+  }
+
+  /// Appends an array at the next aligned place; returns its buffer view.
+  template <class T>
+  std::size_t add_section(const std::vector<T>& elements, SectionKind kind, const std::string& section_name,
+                          int target) {
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(elements));
+    const std::size_t index = views_.size();
+    views_.push_back({{"buffer", 0}, {"byteLength", bytes.size()}, {"byteOffset", bin_.size()}, {"target", target}});
+    sections_.push_back({{"bufferView", index},
+                         {"element_size", sizeof(T)},
+                         {"hash", to_string(hash_bytes(bytes))},
+                         {"kind", name(kind)},
+                         {"name", section_name}});
+    bin_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    bin_.resize(align_up(bin_.size()), '\0');
+    return index;
+  }
+
+  void finish_document(const std::string& generator, json extension) {
+    json scene_nodes = json::array();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) scene_nodes.push_back(i);
+    const json cage_material = {
+        {"name", "cage"},
+        {"alphaMode", "BLEND"},
+        {"doubleSided", true},
+        {"pbrMetallicRoughness", {{"baseColorFactor", {0.25, 0.5, 0.75, 0.25}}, {"metallicFactor", 0}}}};
+    document_ = {{"accessors", std::move(accessors_)},
+                 {"asset", {{"generator", generator}, {"version", "2.0"}}},
+                 {"bufferViews", std::move(views_)},
+                 {"buffers", json::array({{{"byteLength", bin_.size() + seal_size}}})},
+                 {"extensions", {{asset_extension, std::move(extension)}}},
+                 {"extensionsUsed", json::array({asset_extension})},
+                 {"materials", json::array({cage_material})},
+                 {"meshes", std::move(meshes_)},
+                 {"nodes", std::move(nodes_)},
+                 {"scene", 0},
+                 {"scenes", json::array({{{"nodes", std::move(scene_nodes)}}})}};
+  }
+
+  std::string seal() const {
+    std::string bytes = glb_head(dump(), bin_.size() + seal_size, file_);
+    const std::string head_hash = to_string(hash_bytes(std::as_bytes(std::span(bytes))));
+    bytes += bin_;
+    bytes += head_hash;
+    bytes += to_string(hash_bytes(std::as_bytes(std::span(bytes))));
+    return bytes;
+  }
+
+  std::string dump() const {
+    try {
+      return document_.dump();
+    } catch (const json::exception& e) {  // text that is not UTF-8
+      throw Error(file_ + ": JSON: " + e.what());
+    }
+  }
+
+  const CageHierarchy& hierarchy_;
+  const std::string& file_;
+  std::string bin_;
+  json views_ = json::array(), accessors_ = json::array(), meshes_ = json::array(), nodes_ = json::array();
+  json sections_ = json::array(), document_;
+};
+
+}  // namespace
+
+std::string encode_asset(const CageHierarchy& hierarchy, const std::string& generator, const std::string& file) {
+  return Encoder(hierarchy, file).encode(generator);
+}
+
+void write_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy) {
+  const Version v = version();
+  const std::string generator =
+      "Encage " + std::to_string(v.major) + "." + std::to_string(v.minor) + "." + std::to_string(v.patch);
+  write_atomically(file, encode_asset(hierarchy, generator, file.string()));
+}
+
+}  // namespace encage

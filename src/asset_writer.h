@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <encage/cage.h>
+
+#include <string>
+
+namespace encage {
+
+/// The bytes of an asset (docs/asset.md). `generator` names the program that
+/// writes it; `file` starts the messages of errors. Throws Error.
+std::string encode_asset(const CageHierarchy& hierarchy, const std::string& generator, const std::string& file);
+
+}  // namespace encage

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <encage/cage.h>
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+namespace encage {
+
+/// XXH3-128 of the bytes (seed 0, default secret).
+Hash hash_bytes(std::span<const std::byte> bytes);
+
+/// XXH3-128 of a sequence of byte ranges: the hash of their concatenation.
+class Hasher {
+ public:
+  Hasher();
+  ~Hasher();
+  Hasher(Hasher&&) noexcept;
+  Hasher& operator=(Hasher&&) noexcept;
+
+  void add(std::span<const std::byte> bytes);
+  /// The hash of all that was added so far; adding may go on.
+  Hash digest() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace encage

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/zoo/zoo.h"
+
+#include <encage/error.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cagegen/tool/meshes.h"
+#include "tests/cagegen/tool/run.h"
+
+namespace encage::zoo {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Zoo : public ::testing::Test {
+ protected:
+  Zoo() {
+    fs::create_directory(folder.path() / "sub");
+    folder.write("ring.obj", test::to_obj(test::torus(24, 12)));
+    folder.write("sub/points.OFF", "OFF\n2 0 0\n0 0 0\n1 1 1\n");
+    folder.write("notes.txt", "none");
+  }
+  test::ScratchFolder folder;
+};
+
+TEST_F(Zoo, FindsMeshFilesInOrder) {
+  EXPECT_EQ(mesh_files({folder.path()}),
+            (std::vector<fs::path>{folder.path() / "ring.obj", folder.path() / "sub" / "points.OFF"}));
+  EXPECT_EQ(mesh_files({folder.path() / "ring.obj"}).size(), 1U);
+  EXPECT_THROW(mesh_files({folder.path() / "missing"}), Error);
+}
+
+TEST_F(Zoo, BakesAMeshAndTakesItsPictures) {
+  BakeOptions options;
+  options.faces = {200, 60};
+  const Model model = bake_model(folder.path() / "ring.obj", options, folder.path() / "sub");
+  ASSERT_EQ(model.outcome, Model::Outcome::baked) << model.error;
+  EXPECT_TRUE(model.clean());
+  EXPECT_TRUE(model.certified());
+  EXPECT_GT(model.cpu_seconds(), 0);
+  EXPECT_GT(model.figures.at("peak_rss_bytes"), 1 << 20);
+  for (const char* picture : {"ring.obj-input.png", "ring.obj-section.png", "ring.obj-cage.png"}) {
+    EXPECT_TRUE(folder.read(std::string("sub/") + picture).starts_with("\x89PNG")) << picture;
+  }
+}
+
+TEST_F(Zoo, APointSetIsNoMesh) {
+  const Model model = bake_model(folder.path() / "sub" / "points.OFF", {}, {});
+  EXPECT_EQ(model.outcome, Model::Outcome::no_mesh);
+  EXPECT_NE(model.error, "");
+}
+
+TEST_F(Zoo, AMeshWithoutCagesHasFailed) {
+  folder.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
+  const Model model = bake_model(folder.path() / "point.obj", {}, {});
+  EXPECT_EQ(model.outcome, Model::Outcome::failed);
+  EXPECT_NE(model.error.find("point.obj"), std::string::npos) << model.error;
+}
+
+TEST_F(Zoo, TheProgramWritesItsReports) {
+  const test::RunResult result = test::run(
+      {ENCAGE_ZOO_BINARY, ".", "--faces", "200,60", "--json", "zoo.json", "--markdown", "zoo.md"}, folder.path());
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("certified: 1 of 1 meshes"), std::string::npos) << result.out;
+  EXPECT_EQ(nlohmann::json::parse(folder.read("zoo.json")).at("models").size(), 2U);
+  EXPECT_NE(folder.read("zoo.md").find("| ring.obj |"), std::string::npos);
+}
+
+TEST_F(Zoo, BadUsageIsRefused) {
+  EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY}, folder.path()).status, 2);
+  EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, "missing"}, folder.path()).status, 2);
+  EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, ".", "--json", "nowhere/zoo.json"}, folder.path()).status, 2);
+  EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, ".", "--method", "magic"}, folder.path()).status, 2);
+}
+
+}  // namespace
+}  // namespace encage::zoo

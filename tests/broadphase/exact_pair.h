@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Brute force in exact arithmetic: the truth that rejects are held against.
+
+#include <encage/mesh.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+
+namespace encage::test {
+
+/// A mesh as posed: every vertex is the exact image of `origin + vertex` under
+/// the pose, whose entries are taken as the rational numbers they are.
+class ExactBody {
+ public:
+  ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose);
+  ~ExactBody();
+
+  struct Data;
+  const Data& data() const { return *data_; }
+
+ private:
+  std::unique_ptr<Data> data_;
+};
+
+/// True if some triangles have a common point or, for distance > 0, are at most `distance` apart.
+bool surfaces_meet(const ExactBody& a, const ExactBody& b, double distance);
+
+/// Winding number of a closed mesh about a point that is not on it.
+int winding_number(const ExactBody& body, const Eigen::Vector3d& point);
+
+/// For bodies whose surfaces do not meet: true if a vertex of some component of
+/// `guest` has a non-zero winding number in `host`, which is closed.
+bool holds_component(const ExactBody& host, const ExactBody& guest);
+
+using Corners = std::array<Eigen::Vector3d, 3>;
+/// True if the distance of two triangles is at most `distance` >= 0, exactly.
+bool triangles_meet(const Corners& a, const Corners& b, double distance);
+
+}  // namespace encage::test

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/broadphase/sample_shapes.h"
+
+#include <cmath>
+#include <random>
+
+namespace encage::test {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Polygon = std::vector<Eigen::Vector2d>;
+
+TriangleMesh make(const std::vector<Vector>& vertices, const std::vector<Eigen::Vector3i>& triangles) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(static_cast<std::int64_t>(vertices.size()), 3);
+  for (std::size_t v = 0; v < vertices.size(); ++v) mesh.vertices.row(v) = vertices[v].transpose();
+  mesh.triangles.resize(static_cast<std::int64_t>(triangles.size()), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t) mesh.triangles.row(t) = triangles[t].transpose();
+  return mesh;
+}
+
+TriangleMesh rounded(TriangleMesh mesh) {
+  mesh.vertices = mesh.vertices.cast<float>().cast<double>();
+  return mesh;
+}
+
+TriangleMesh resized(TriangleMesh mesh, double factor) {
+  mesh.vertices *= factor;
+  return mesh;
+}
+
+TriangleMesh tetrahedron() {
+  return make({{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
+}
+
+/// Octahedron split once: 32 triangles, every other vertex pulled in.
+TriangleMesh star() {
+  const std::vector<Vector> corner = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<Vector> vertices = corner;
+  std::vector<Eigen::Vector3i> triangles;
+  std::vector<std::vector<int>> middle(6, std::vector<int>(6, -1));
+  const auto mid = [&](int a, int b) {
+    int& m = middle[std::min(a, b)][std::max(a, b)];
+    if (m < 0) {
+      m = static_cast<int>(vertices.size());
+      vertices.push_back((corner[a] + corner[b]) * 0.28);
+    }
+    return m;
+  };
+  for (int i = 0; i < 8; ++i) {
+    int a = i & 1, b = 2 + (i >> 1 & 1), c = 4 + (i >> 2 & 1);
+    if ((a + b + c) % 2 == 1) std::swap(b, c);
+    const int ab = mid(a, b), bc = mid(b, c), ca = mid(c, a);
+    for (const Eigen::Vector3i& t : {Eigen::Vector3i(a, ab, ca), Eigen::Vector3i(ab, b, bc), Eigen::Vector3i(ca, bc, c),
+                                     Eigen::Vector3i(ab, bc, ca)}) {
+      triangles.push_back(t);
+    }
+  }
+  return make(vertices, triangles);
+}
+
+const std::vector<Eigen::Vector3i> l_triangles = {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}};
+Polygon l_polygon(double d) {
+  return {{-1 - d, -1 - d},     {1 + d, -1 - d},   {1 + d, -0.4 + d},
+          {-0.4 + d, -0.4 + d}, {-0.4 + d, 1 + d}, {-1 - d, 1 + d}};
+}
+
+const std::vector<Eigen::Vector3i> u_triangles = {{0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}, {0, 5, 6}, {0, 6, 7}};
+Polygon u_polygon(double d) {
+  return {{-1 - d, -1 - d},    {1 + d, -1 - d},      {1 + d, 1 + d},    {0.5 - d, 1 + d},
+          {0.5 - d, -0.5 + d}, {-0.5 + d, -0.5 + d}, {-0.5 + d, 1 + d}, {-1 - d, 1 + d}};
+}
+
+TriangleMesh l_prism(double d) { return prism(l_polygon(d), l_triangles, -0.5 - d, 0.5 + d); }
+TriangleMesh u_prism(double d) { return prism(u_polygon(d), u_triangles, -0.4 - d, 0.4 + d); }
+
+TriangleMesh cube(double half) { return box_mesh(Vector::Constant(-half), Vector::Constant(half)); }
+
+TriangleMesh shell(double d) { return merged(cube(1 + d), inverted(cube(0.8 - d))); }
+
+TriangleMesh two_boxes(double d) {
+  return merged(box_mesh({-1.2 - d, -0.5 - d, -0.3 - d}, {-0.3 + d, 0.5 + d, 0.3 + d}),
+                box_mesh({0.3 - d, -0.5 - d, -0.6 - d}, {1.1 + d, 0.4 + d, 0.2 + d}));
+}
+
+/// A box without lid: two triangles dropped.
+TriangleMesh open_box() {
+  TriangleMesh mesh = cube(1);
+  mesh.triangles.conservativeResize(10, 3);
+  return mesh;
+}
+
+/// A closed box with a spike: a degenerate triangle that joins nothing, as inputs have it.
+TriangleMesh spiked_box() {
+  return merged(cube(0.7), make({{0.6, 0.1, 0}, {1.3, 0.2, 0.125}, {0.95, 0.15, 0.0625}}, {{0, 1, 2}, {0, 2, 1}}));
+}
+
+Sample sample(const std::string& name, const TriangleMesh& fine, const std::vector<TriangleMesh>& cages, double jitter,
+              Solid solid = Solid::closed) {
+  Sample s;
+  s.name = name;
+  s.hierarchy.fine = rounded(fine);
+  s.hierarchy.solid = solid;
+  s.source = s.hierarchy.fine;
+  std::minstd_rand random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (std::int64_t v = 0; v < s.source.vertices.rows(); ++v) {
+    const Vector d(uniform(random), uniform(random), uniform(random));
+    s.source.vertices.row(v) += (d * (jitter / std::max(1e-3, d.norm()) * 0.999)).transpose();
+  }
+  s.hierarchy.fine_error = jitter;
+  const Eigen::AlignedBox3d box = bounds(s.source);
+  s.hierarchy.diagonal = box.diagonal().norm();
+  for (const TriangleMesh& cage : cages) s.hierarchy.levels.push_back({rounded(cage), {}});
+  return s;
+}
+
+}  // namespace
+
+TriangleMesh box_mesh(const Vector& lower, const Vector& upper) {
+  std::vector<Vector> v;
+  for (int i = 0; i < 8; ++i) {
+    v.emplace_back(i & 1 ? upper.x() : lower.x(), i & 2 ? upper.y() : lower.y(), i & 4 ? upper.z() : lower.z());
+  }
+  return make(v, {{0, 2, 1},
+                  {1, 2, 3},
+                  {0, 1, 4},
+                  {1, 5, 4},
+                  {0, 4, 2},
+                  {2, 4, 6},
+                  {1, 3, 5},
+                  {3, 7, 5},
+                  {2, 6, 3},
+                  {3, 6, 7},
+                  {4, 5, 6},
+                  {5, 7, 6}});
+}
+
+TriangleMesh prism(const Polygon& polygon, const std::vector<Eigen::Vector3i>& triangles, double bottom, double top) {
+  const int n = static_cast<int>(polygon.size());
+  std::vector<Vector> v;
+  for (const Eigen::Vector2d& p : polygon) v.emplace_back(p.x(), p.y(), bottom);
+  for (const Eigen::Vector2d& p : polygon) v.emplace_back(p.x(), p.y(), top);
+  std::vector<Eigen::Vector3i> faces;
+  for (const Eigen::Vector3i& t : triangles) {
+    faces.emplace_back(t[0], t[2], t[1]);
+    faces.emplace_back(t[0] + n, t[1] + n, t[2] + n);
+  }
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
+    faces.emplace_back(i, j, j + n);
+    faces.emplace_back(i, j + n, i + n);
+  }
+  return make(v, faces);
+}
+
+TriangleMesh torus(double major, double minor, int around, int across) {
+  std::vector<Vector> v;
+  std::vector<Eigen::Vector3i> faces;
+  const double turn = 2 * std::acos(-1.0);
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < across; ++j) {
+      const double u = turn * i / around, w = turn * j / across;
+      const double r = major + minor * std::cos(w);
+      v.emplace_back(r * std::cos(u), r * std::sin(u), minor * std::sin(w));
+      const int i1 = (i + 1) % around, j1 = (j + 1) % across;
+      faces.emplace_back(i * across + j, i1 * across + j, i1 * across + j1);
+      faces.emplace_back(i * across + j, i1 * across + j1, i * across + j1);
+    }
+  }
+  return make(v, faces);
+}
+
+TriangleMesh inverted(TriangleMesh mesh) {
+  mesh.triangles.col(1).swap(mesh.triangles.col(2));
+  return mesh;
+}
+
+TriangleMesh merged(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(a.vertices.rows() + b.vertices.rows(), 3);
+  mesh.vertices << a.vertices, b.vertices;
+  mesh.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
+  mesh.triangles << a.triangles, b.triangles.array() + static_cast<std::int32_t>(a.vertices.rows());
+  return mesh;
+}
+
+std::vector<Sample> sample_shapes(double jitter) {
+  return {
+      sample("tetrahedron", tetrahedron(), {resized(tetrahedron(), 1.1), cube(1.4)}, jitter),
+      sample("box", cube(1), {cube(1.05), cube(1.3)}, jitter),
+      sample("star", star(), {resized(star(), 1.05), resized(star(), 1.2), cube(1.3)}, jitter),
+      sample("l", l_prism(0), {l_prism(0.04), cube(1.2)}, jitter),
+      sample("u", u_prism(0), {u_prism(0.05), u_prism(0.2), cube(1.3)}, jitter),
+      sample("torus", torus(1, 0.35, 8, 4), {torus(1, 0.42, 8, 4), torus(1, 0.6, 8, 4)}, jitter),
+      sample("shell", shell(0), {shell(0.03), shell(0.2), cube(1.3)}, jitter),
+      sample("two boxes", two_boxes(0), {two_boxes(0.05), two_boxes(0.2), cube(1.5)}, jitter),
+      sample("open box", open_box(), {cube(1.1), cube(1.3)}, jitter, Solid::surface_only),
+      sample("spiked box", spiked_box(), {cube(1.4)}, jitter, Solid::capped),
+  };
+}
+
+Sample scaled(const Sample& sample, int exponent) {
+  Sample s = sample;
+  const double factor = std::ldexp(1.0, exponent);
+  s.source.vertices *= factor;
+  s.hierarchy.fine.vertices *= factor;
+  s.hierarchy.fine_error *= factor;
+  s.hierarchy.diagonal *= factor;
+  for (CageLevel& level : s.hierarchy.levels) level.mesh.vertices *= factor;
+  return s;
+}
+
+Sample without_cages(Sample sample) {
+  sample.hierarchy.levels.clear();
+  return sample;
+}
+
+Sample without_fine(Sample sample) {
+  sample.hierarchy.fine = {};
+  sample.hierarchy.fine_error = 0;
+  return sample;
+}
+
+}  // namespace encage::test

@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/broadphase/exact_pair.h"
+#include "tests/broadphase/sample_shapes.h"
+
+#include <encage/broadphase.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Counts what queries allocate: nothing. Not inlined: the compiler would see a
+// mismatch of new and free.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace encage::test {
+namespace {
+
+using Pose = Eigen::Isometry3d;
+using Vector = Eigen::Vector3d;
+
+struct Body {
+  Sample sample;
+  ShapePtr shape;
+
+  explicit Body(Sample s) : sample(std::move(s)), shape(make_shape(sample.hierarchy)) {}
+  double diagonal() const { return sample.hierarchy.diagonal; }
+};
+
+Verdict ask(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin = 0) {
+  return separated(*a.shape, Motion::resting(pose_a), *b.shape, Motion::resting(pose_b), margin);
+}
+
+Pose shift(double x, double y, double z) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Vector(x, y, z);
+  return pose;
+}
+
+const Body& find(const std::vector<Body>& bodies, const std::string& name) {
+  for (const Body& body : bodies) {
+    if (body.sample.name == name) return body;
+  }
+  throw std::runtime_error("no sample " + name);
+}
+
+std::vector<Body> bodies(double jitter = 0) {
+  std::vector<Body> all;
+  for (Sample& s : sample_shapes(jitter)) all.emplace_back(std::move(s));
+  return all;
+}
+
+// ---- Against brute force -------------------------------------------------
+
+/// Every kind of body that the twin test mixes: with and without cages and fine
+/// mesh, with and without rounding of the fine mesh, large, small, far from 0.
+std::vector<Body> twin_bodies() {
+  std::vector<Body> all;
+  for (const double jitter : {0.0, 1e-4}) {
+    for (const Sample& s : sample_shapes(jitter)) {
+      all.emplace_back(s);
+      all.emplace_back(without_cages(s));
+      all.emplace_back(without_fine(s));
+      all.emplace_back(scaled(s, -3));
+      Sample moved = s;
+      moved.hierarchy.origin = Vector(10'000, -2'500.25, 0.375);
+      all.emplace_back(moved);
+    }
+  }
+  return all;
+}
+
+class TwinTest {
+ public:
+  explicit TwinTest(unsigned seed) : random_(seed), bodies_(twin_bodies()) {}
+
+  void run(int pairs) {
+    for (int i = 0; i < pairs && !testing::Test::HasFailure(); ++i) {
+      const Body& a = bodies_[random_() % bodies_.size()];
+      const Body& b = bodies_[random_() % bodies_.size()];
+      const double margin = random_() % 3 != 0 ? 0 : std::pow(10.0, -uniform(0.5, 8)) * a.diagonal();
+      Pose pose_a = random_pose(), pose_b = random_pose();
+      const unsigned kind = random_() % 8;
+      if (kind < 2) {
+        place(b, pose_b, centre(a, pose_a) + direction() * uniform(0, 1.2) * (a.diagonal() + b.diagonal()) / 2);
+      } else if (kind < 7) {
+        near_contact(a, pose_a, b, pose_b, margin);
+      } else {
+        on_lattice(a, pose_a, b, pose_b);
+      }
+      check(a, pose_a, b, pose_b, margin, i);
+    }
+  }
+
+  int rejected = 0;  ///< proven apart
+  int contacts = 0;  ///< truly closer than the margin or contained
+  int far = 0;       ///< farther than margin + 1 % of the larger diagonal
+  int far_kept = 0;  ///< of these, not proven apart
+
+ private:
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+
+  Vector direction() {
+    Vector d;
+    do {
+      d = Vector(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+    } while (d.norm() > 1 || d.norm() < 0.1);
+    return d.normalized();
+  }
+
+  Pose random_pose() {
+    Pose pose = Pose::Identity();
+    pose.linear() = Eigen::AngleAxisd(uniform(0, 3.14), direction()).toRotationMatrix();
+    const double reach = std::array{1.0, 10.0, 10'000.0}[random_() % 3];
+    pose.translation() = Vector(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)) * reach;
+    // Drift as of poses integrated without care; up to 1e-9 is accepted.
+    if (random_() % 8 == 0) pose.linear() *= 1 + uniform(-2.5e-10, 2.5e-10);
+    return pose;
+  }
+
+  static Vector centre(const Body& body, const Pose& pose) { return pose * body.sample.hierarchy.origin; }
+  static void place(const Body& body, Pose& pose, const Vector& where) {
+    pose.translation() += where - centre(body, pose);
+  }
+
+  // On a line, close to where the answer changes; on either side of it.
+  void near_contact(const Body& a, const Pose& pose_a, const Body& b, Pose& pose_b, double margin) {
+    const double size = (a.diagonal() + b.diagonal()) / 2;
+    const Vector start = centre(a, pose_a) + direction() * uniform(0, 0.3) * size;
+    const Vector d = direction();
+    double low = 0, high = uniform(0.2, 1.5) * size + margin;
+    const auto answer = [&](double t) {
+      place(b, pose_b, start + d * t);
+      return ask(a, pose_a, b, pose_b, margin).separated;
+    };
+    const bool at_low = answer(low);
+    if (answer(high) == at_low) return;
+    for (int i = 0; i < 52; ++i) {
+      const double middle = 0.5 * (low + high);
+      (answer(middle) == at_low ? low : high) = middle;
+    }
+    const double step = random_() % 8 == 0 ? 0 : std::pow(10.0, -uniform(2, 16)) * size;
+    place(b, pose_b, start + d * (high + (random_() % 2 == 0 ? step : -step)));
+  }
+
+  // Faces, edges and vertices that meet exactly, or miss by some units in the last place.
+  void on_lattice(const Body& a, Pose& pose_a, const Body& b, Pose& pose_b) {
+    const auto quarter_turns = [&] {
+      Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
+      const Eigen::Matrix3d z = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
+      const Eigen::Matrix3d x = (Eigen::Matrix3d() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished();
+      for (unsigned i = random_() % 4; i > 0; --i) r = r * z;
+      for (unsigned i = random_() % 4; i > 0; --i) r = r * x;
+      return r;
+    };
+    pose_a.linear() = quarter_turns();
+    pose_b.linear() = quarter_turns();
+    Vector cell;
+    for (int k = 0; k < 3; ++k) cell[k] = 0.125 * std::floor(uniform(-20, 20));
+    place(b, pose_b, centre(a, pose_a) + cell);
+    if (random_() % 2 == 0) {
+      double& x = pose_b.translation()[random_() % 3];
+      for (unsigned i = random_() % 4; i > 0; --i) x = std::nextafter(x, random_() % 2 == 0 ? 1e300 : -1e300);
+    }
+  }
+
+  void check(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin, int number) {
+    const Verdict verdict = ask(a, pose_a, b, pose_b, margin);
+    const ExactBody exact_a(a.sample.hierarchy.origin, a.sample.source, pose_a);
+    const ExactBody exact_b(b.sample.hierarchy.origin, b.sample.source, pose_b);
+    const auto solid = [](const Body& body) { return body.sample.hierarchy.solid != Solid::surface_only; };
+    const auto contained = [&] {
+      return (solid(a) && holds_component(exact_a, exact_b)) || (solid(b) && holds_component(exact_b, exact_a));
+    };
+    const bool contact = surfaces_meet(exact_a, exact_b, margin) || contained();
+    contacts += contact;
+    rejected += verdict.separated;
+    EXPECT_FALSE(verdict.separated && contact)
+        << "pair " << number << ": " << a.sample.name << " and " << b.sample.name << ", margin " << margin << ", stage "
+        << static_cast<int>(verdict.stage) << ", level " << verdict.level;
+    // Rate of rejects, where the fine meshes are there and both interiors known.
+    if (contact || !solid(a) || !solid(b)) return;
+    if (a.sample.hierarchy.fine.triangles.rows() == 0 || b.sample.hierarchy.fine.triangles.rows() == 0) return;
+    if (surfaces_meet(exact_a, exact_b, margin + 0.01 * std::max(a.diagonal(), b.diagonal()))) return;
+    ++far;
+    far_kept += !verdict.separated;
+  }
+
+  std::minstd_rand random_;
+  std::vector<Body> bodies_;
+};
+
+TEST(Separated, NeverMissesAContactOfBruteForce) {
+  // ENCAGE_TWIN_PAIRS and ENCAGE_TWIN_SEED: longer runs by hand.
+  const char* count = std::getenv("ENCAGE_TWIN_PAIRS");
+  const char* seed = std::getenv("ENCAGE_TWIN_SEED");
+  const int pairs = count ? std::atoi(count) : 20'000;
+  TwinTest twin(seed ? static_cast<unsigned>(std::atoi(seed)) : 1);
+  twin.run(pairs);
+  RecordProperty("rejected", twin.rejected);
+  RecordProperty("contacts", twin.contacts);
+  RecordProperty("far", twin.far);
+  RecordProperty("far_kept", twin.far_kept);
+  // The test attacks only if both answers are common.
+  EXPECT_GT(twin.contacts, pairs / 5);
+  EXPECT_GT(twin.rejected, pairs / 5);
+  EXPECT_GT(twin.far, pairs / 20);
+  EXPECT_LE(twin.far_kept, twin.far / 100);
+}
+
+TEST(Separated, SampleCagesNest) {
+  for (const Sample& s : sample_shapes(1e-4)) {
+    const TriangleMesh* inner = &s.source;
+    for (const CageLevel& level : s.hierarchy.levels) {
+      EXPECT_GT(signed_volume(level.mesh), 0) << s.name;
+      const ExactBody exact_inner(Vector::Zero(), *inner, Pose::Identity());
+      const ExactBody cage(Vector::Zero(), level.mesh, Pose::Identity());
+      EXPECT_FALSE(surfaces_meet(exact_inner, cage, 0)) << s.name;
+      for (std::int64_t v = 0; v < inner->vertices.rows(); ++v) {
+        const Vector p = inner->vertices.row(v).transpose();
+        EXPECT_EQ(winding_number(cage, p), 1) << s.name;
+      }
+      // The other condition: no cavity of the cage in the solid.
+      if (s.hierarchy.solid == Solid::closed) {
+        EXPECT_FALSE(holds_component(exact_inner, cage)) << s.name;
+      }
+      inner = &level.mesh;
+    }
+  }
+}
+
+// ---- Known answers -------------------------------------------------------
+
+TEST(Separated, NamesTheStageOfTheProof) {
+  const std::vector<Body> all = bodies();
+  const Body& box = find(all, "box");  // half 1, cages 1.05 and 1.3
+  const auto at = [&](double y) { return ask(box, shift(0, 0, 0), box, shift(1.9, y, 0)); };
+  // Turned by 45 degrees about z, faces point along (1,1,0): world boxes overlap longer.
+  const auto turned = [&](double distance) {
+    Pose a = Pose::Identity(), b = Pose::Identity();
+    a.linear() = b.linear() = Eigen::AngleAxisd(std::atan(1.0), Vector::UnitZ()).toRotationMatrix();
+    b.translation() = Vector(1, 1, 0).normalized() * distance;
+    return ask(box, a, box, b);
+  };
+  EXPECT_EQ(at(2.01).stage, Stage::box);
+  EXPECT_TRUE(at(2.01).separated);
+  EXPECT_EQ(at(2.01).level, -1);
+  EXPECT_EQ(turned(2.7).stage, Stage::cage);
+  EXPECT_EQ(turned(2.7).level, 1);
+  EXPECT_EQ(turned(2.2).level, 0);
+  EXPECT_EQ(turned(2.05).stage, Stage::fine);
+  EXPECT_TRUE(turned(2.05).separated);
+  EXPECT_EQ(turned(1.95).stage, Stage::fine);
+  EXPECT_FALSE(turned(1.95).separated);
+}
+
+TEST(Separated, BodyInsideAnother) {
+  const std::vector<Body> all = bodies();
+  const Body small(scaled(find(all, "star").sample, -4));
+  for (const char* host : {"box", "l", "tetrahedron"}) {
+    const Pose inside = shift(-0.6, -0.6, host == std::string("tetrahedron") ? 1 : 0.2);
+    const Pose centre = host == std::string("tetrahedron") ? shift(0, 0, 0) : inside;
+    EXPECT_FALSE(ask(find(all, host), Pose::Identity(), small, centre).separated) << host;
+    EXPECT_FALSE(ask(small, centre, find(all, host), Pose::Identity()).separated) << host;
+    const Body bare(without_cages(find(all, host).sample)), caged(without_fine(find(all, host).sample));
+    EXPECT_FALSE(ask(bare, Pose::Identity(), small, centre).separated) << host;
+    EXPECT_FALSE(ask(caged, Pose::Identity(), small, centre).separated) << host;
+  }
+}
+
+TEST(Separated, BodyInACavity) {
+  const std::vector<Body> all = bodies();
+  const Body& shell = find(all, "shell");  // inner half 0.8; 0.77 and 0.6 in the cages
+  const Body small(scaled(find(all, "star").sample, -2));
+  const Verdict verdict = ask(shell, Pose::Identity(), small, shift(0.1, 0, 0));
+  EXPECT_TRUE(verdict.separated);
+  EXPECT_EQ(verdict.stage, Stage::cage);
+  EXPECT_EQ(verdict.level, 1);
+  EXPECT_TRUE(ask(Body(without_cages(shell.sample)), Pose::Identity(), small, shift(0.1, 0, 0)).separated);
+  EXPECT_FALSE(ask(shell, Pose::Identity(), small, shift(0.9, 0, 0)).separated);
+  EXPECT_FALSE(ask(shell, Pose::Identity(), small, shift(0.7, 0, 0)).separated);
+}
+
+TEST(Separated, OnePartInsideIsEnough) {
+  const std::vector<Body> all = bodies();
+  // The second box of the pair lies inside the large one, the first far outside.
+  TriangleMesh far_part = box_mesh(Vector(-40, 0, 0), Vector(-39, 1, 1));
+  Sample sample;
+  sample.source = merged(far_part, box_mesh(Vector(-0.25, -0.25, -0.25), Vector(0.25, 0.25, 0.25)));
+  sample.hierarchy.fine = sample.source;
+  sample.hierarchy.diagonal = bounds(sample.source).diagonal().norm();
+  const Body pair(sample);
+  const Body box(without_cages(find(all, "box").sample));
+  EXPECT_FALSE(ask(box, Pose::Identity(), pair, Pose::Identity()).separated);
+  EXPECT_FALSE(ask(pair, Pose::Identity(), box, Pose::Identity()).separated);
+  EXPECT_TRUE(ask(box, Pose::Identity(), pair, shift(20, 0, 0)).separated);
+}
+
+TEST(Separated, InsideOutAndDoubledSolidsAreSolid) {
+  const std::vector<Body> all = bodies();
+  const Body small(scaled(find(all, "star").sample, -4));
+  Sample s = without_cages(find(all, "box").sample);
+  s.hierarchy.fine = inverted(s.hierarchy.fine);
+  EXPECT_FALSE(ask(Body(s), Pose::Identity(), small, Pose::Identity()).separated);
+  // Winding number 2 in the inner box: still solid, though a ray crosses twice.
+  s.hierarchy.fine = merged(s.hierarchy.fine, inverted(box_mesh(Vector::Constant(-0.5), Vector::Constant(0.5))));
+  EXPECT_FALSE(ask(Body(s), Pose::Identity(), small, Pose::Identity()).separated);
+}
+
+TEST(Separated, UnknownInteriorAnswersMaybeForWhatLiesInTheBox) {
+  const std::vector<Body> all = bodies();
+  const Body& open = find(all, "open box");
+  const Body small(scaled(find(all, "star").sample, -2));
+  for (const Body& host : {open, Body(without_cages(open.sample)), Body(without_fine(open.sample))}) {
+    EXPECT_FALSE(ask(host, Pose::Identity(), small, Pose::Identity()).separated);
+    EXPECT_FALSE(ask(small, Pose::Identity(), host, Pose::Identity()).separated);
+  }
+  // Without its fine mesh nothing shows that the guest sticks out, though the cages are apart.
+  Pose turned = Pose::Identity();
+  turned.linear() = Eigen::AngleAxisd(std::atan(1.0), Vector::UnitZ()).toRotationMatrix();
+  EXPECT_TRUE(ask(open, turned, small, shift(1.3, 1.3, 0)).separated);
+  EXPECT_FALSE(ask(open, turned, Body(without_fine(small.sample)), shift(1.3, 1.3, 0)).separated);
+  // It sticks out through the opening (the lid was at z = 1) without touching.
+  EXPECT_TRUE(ask(Body(without_cages(open.sample)), Pose::Identity(), small, shift(0, 0, 0.9)).separated);
+  EXPECT_FALSE(ask(Body(without_cages(open.sample)), Pose::Identity(), small, shift(0, 0.9, 0)).separated);
+  // The closed body holds the open one: its interior is known.
+  const Body small_open(scaled(open.sample, -3));
+  EXPECT_FALSE(ask(small_open, Pose::Identity(), find(all, "box"), Pose::Identity()).separated);
+}
+
+TEST(Separated, ClosedInNameOnlyAnswersLikeAnUnknownInterior) {
+  const std::vector<Body> all = bodies();
+  Sample s = without_cages(find(all, "open box").sample);
+  s.hierarchy.solid = Solid::closed;
+  const Body small(scaled(find(all, "star").sample, -2));
+  EXPECT_FALSE(ask(Body(s), Pose::Identity(), small, Pose::Identity()).separated);
+  EXPECT_TRUE(ask(Body(s), Pose::Identity(), small, shift(1.2, 1.2, 0)).separated);
+}
+
+TEST(Separated, MarginIsADistanceThatMustBeExceeded) {
+  for (const Body& box : {find(bodies(), "box"), Body(without_cages(find(bodies(), "box").sample))}) {
+    Pose turned = Pose::Identity();
+    turned.linear() = Eigen::AngleAxisd(0.25, Vector(1, 2, 3).normalized()).toRotationMatrix();
+    const Pose b = turned * shift(2.5, 0, 0);
+    EXPECT_TRUE(ask(box, turned, box, b, 0.499999999).separated);
+    EXPECT_FALSE(ask(box, turned, box, b, 0.5).separated);
+    EXPECT_FALSE(ask(box, turned, box, b, 0.500000001).separated);
+    EXPECT_FALSE(ask(box, turned, box, b, std::numeric_limits<double>::infinity()).separated);
+    EXPECT_FALSE(ask(box, turned, box, b, std::numeric_limits<double>::quiet_NaN()).separated);
+    EXPECT_FALSE(ask(box, turned, box, shift(100, 0, 0), -1).separated);
+    // Corner to corner: the distance counts, not the one along an axis.
+    EXPECT_TRUE(ask(box, Pose::Identity(), box, shift(2.5, 2.5, 2.5), 0.866).separated);
+    EXPECT_FALSE(ask(box, Pose::Identity(), box, shift(2.5, 2.5, 2.5), 0.8661).separated);
+    EXPECT_TRUE(ask(box, turned, box, turned * shift(2.5, 2.5, 2.5), 0.866).separated);
+    EXPECT_FALSE(ask(box, turned, box, turned * shift(2.5, 2.5, 2.5), 0.8661).separated);
+  }
+}
+
+TEST(Separated, FineErrorCounts) {
+  Sample s = without_cages(sample_shapes(0)[1]);
+  ASSERT_EQ(s.name, "box");
+  s.hierarchy.fine_error = 0.01;
+  const Body box(s);
+  Pose turned = Pose::Identity();
+  turned.linear() = Eigen::AngleAxisd(0.7, Vector(1, 2, 3).normalized()).toRotationMatrix();
+  EXPECT_TRUE(ask(box, turned, box, turned * shift(2.0201, 0, 0)).separated);
+  EXPECT_FALSE(ask(box, turned, box, turned * shift(2.0199, 0, 0)).separated);
+  EXPECT_FALSE(ask(box, Pose::Identity(), box, shift(2.0199, 0, 0)).separated);
+}
+
+TEST(Separated, PosesThatAreNotRigidAnswerMaybe) {
+  const Body box = find(bodies(), "box");
+  Pose far = shift(100, 0, 0);
+  EXPECT_TRUE(ask(box, Pose::Identity(), box, far).separated);
+  for (const double bad :
+       {1e-8, 0.5, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Pose pose = far;
+    pose.linear()(0, 1) += bad;
+    EXPECT_FALSE(ask(box, Pose::Identity(), box, pose).separated);
+    EXPECT_FALSE(ask(box, pose, box, Pose::Identity()).separated);
+  }
+  far.translation().x() = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(ask(box, Pose::Identity(), box, far).separated);
+  far.translation().x() = 1e200;
+  EXPECT_FALSE(ask(box, Pose::Identity(), box, far).separated);
+}
+
+TEST(Separated, AMovingPairIsRejectedByItsSweptBoxesOnly) {
+  const Body box = find(bodies(), "box");
+  const Motion still = Motion::resting(Pose::Identity());
+  const auto sweep = [&](const Pose& from, const Pose& to) {
+    return separated(*box.shape, still, *box.shape, {from, to});
+  };
+  EXPECT_TRUE(sweep(shift(3, -5, 0), shift(3, 5, 0)).separated);
+  EXPECT_EQ(sweep(shift(3, -5, 0), shift(3, 5, 0)).stage, Stage::box);
+  // Apart at both ends, through the other on the way.
+  EXPECT_FALSE(sweep(shift(1, -5, 0), shift(1, 5, 0)).separated);
+  EXPECT_TRUE(sweep(shift(5, -5, 0), shift(-5, -5, 0)).separated);
+}
+
+TEST(Separated, OrderOfThePairAndUnitDoNotMatter) {
+  const std::vector<Body> all = bodies();
+  Pose b = shift(0.3, 0.2, 1.3);
+  b.linear() = Eigen::AngleAxisd(1.1, Vector(3, -2, 1).normalized()).toRotationMatrix();
+  int apart = 0;
+  for (const Body& first : all) {
+    for (const Body& second : all) {
+      const Verdict expected = ask(first, Pose::Identity(), second, b);
+      apart += expected.separated;
+      EXPECT_EQ(ask(second, b, first, Pose::Identity()).separated, expected.separated);
+      for (const int exponent : {-60, 60}) {
+        const Body first_scaled(scaled(first.sample, exponent)), second_scaled(scaled(second.sample, exponent));
+        Pose pose = b;
+        pose.translation() *= std::ldexp(1.0, exponent);
+        EXPECT_EQ(ask(first_scaled, Pose::Identity(), second_scaled, pose).separated, expected.separated)
+            << first.sample.name << ", " << second.sample.name << " at 2^" << exponent;
+      }
+    }
+  }
+  EXPECT_GT(apart, 10);
+}
+
+TEST(Separated, QueriesDoNotAllocate) {
+  const std::vector<Body> all = bodies();
+  std::vector<Pose> poses;
+  for (int i = 0; i < 20; ++i) poses.push_back(shift(0.15 * i, 0.1 * i, 0.05 * i));
+  int apart = 0;
+  const long before = allocations;
+  for (const Body& a : all) {
+    for (const Body& b : all) {
+      for (const Pose& pose : poses) apart += ask(a, Pose::Identity(), b, pose).separated;
+    }
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(apart, 0);
+}
+
+}  // namespace
+}  // namespace encage::test

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "broadphase/triangle_pair.h"
+
+#include "tests/broadphase/exact_pair.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <random>
+
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+// What a caller allows for rounding, for corners within `size`.
+double slack(double size) { return 1e-14 * size; }
+
+class TrianglePairs : public testing::Test {
+ protected:
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  Vector point() { return {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}; }
+  Vector lattice_point() { return (point() * 3).array().round(); }
+  TriangleD triangle() {
+    TriangleD t{point(), point(), point()};
+    const unsigned kind = random_() % 8;
+    if (kind == 0) t[2] = t[0] + (t[1] - t[0]) * uniform(-0.5, 1.5);  // nearly collinear
+    if (kind == 1) t[2] = t[1];                                       // a segment
+    if (kind == 2) t = {t[0], t[0], t[0]};                            // a point
+    return t;
+  }
+  std::minstd_rand random_{11};
+};
+
+TEST_F(TrianglePairs, NeverApartWhenTheyMeet) {
+  int apart = 0, meeting = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    TriangleD a = triangle(), b = triangle();
+    if (i % 3 == 0) {
+      for (int k = 0; k < 3; ++k) a[k] = lattice_point(), b[k] = lattice_point();
+    }
+    const double margin = i % 2 == 0 ? 0 : uniform(0, 0.5);
+    const bool said = triangles_apart(a, b, margin + slack(6));
+    const bool meet = test::triangles_meet(a, b, margin);
+    apart += said;
+    meeting += meet;
+    ASSERT_FALSE(said && meet) << "pair " << i;
+    // Complete: whatever is farther by a little more than the slack is found.
+    if (!meet && !test::triangles_meet(a, b, margin + 1e-9)) {
+      ASSERT_TRUE(said) << "pair " << i;
+    }
+  }
+  EXPECT_GT(apart, 5'000);
+  EXPECT_GT(meeting, 3'000);
+}
+
+TEST_F(TrianglePairs, NearContactOfEveryFeaturePair) {
+  // From contact of two features, moved along their common normal until they miss by `gap`.
+  const TriangleD a = {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)};
+  const std::vector<TriangleD> placed = {
+      {Vector(0.2, 0.2, 0), Vector(0.1, 0.3, 1), Vector(0.4, 0.2, 1)},         // vertex above the face
+      {Vector(0.5, -0.5, -0.5), Vector(0.5, 0.5, 0.5), Vector(0.5, -0.5, 1)},  // edge over edge
+      {Vector(0, 0, 0), Vector(-1, 0, 0.5), Vector(-1, 1, 0.5)},               // vertex at a vertex
+      {Vector(0.5, 0, 0), Vector(0.2, -1, 0), Vector(0.8, -1, 0)},             // coplanar, vertex at an edge
+      {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, -1, 0)},                    // coplanar, edge at an edge
+      {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)},                     // face upon face
+  };
+  const std::vector<Vector> direction = {Vector(0, 0, 1),  Vector(0, -1, 1).normalized(),
+                                         Vector(-1, 0, 0), Vector(0, -1, 0),
+                                         Vector(0, -1, 0), Vector(0, 0, 1)};
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    for (double gap = 1e-12; gap < 10; gap *= 10) {
+      TriangleD b = placed[i];
+      for (Vector& v : b) v += direction[i] * gap;
+      EXPECT_FALSE(test::triangles_meet(a, b, 0)) << i << " at " << gap;
+      EXPECT_TRUE(triangles_apart(a, b, slack(2))) << i << " at " << gap;
+    }
+    EXPECT_TRUE(test::triangles_meet(a, placed[i], 0)) << i;
+    EXPECT_FALSE(triangles_apart(a, placed[i], slack(2))) << i;
+  }
+}
+
+}  // namespace
+}  // namespace encage

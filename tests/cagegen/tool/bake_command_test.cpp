@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/asset.h>
+#include <signal.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/cagegen/tool/command_fixture.h"
+
+namespace encage::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class BakeCommand : public CommandTest {};
+
+TEST_F(BakeCommand, AloneWritesIntoTheCurrentFolder) {
+  const RunResult result = encage({"bake", "model.obj"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"model.glb", "model.obj"}));
+  const CageHierarchy hierarchy = read_asset(folder.path() / "model.glb", Verify::all);
+  ASSERT_FALSE(hierarchy.levels.empty());
+  EXPECT_LT(hierarchy.levels[0].mesh.triangles.rows(), 576);
+  EXPECT_EQ(hierarchy.fine.triangles.rows(), 576);
+  EXPECT_NE(result.out.find("level 1:"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("wrote model.glb"), std::string::npos) << result.out;
+}
+
+TEST_F(BakeCommand, AGlbInputIsNotOverwritten) {
+  bake_model();
+  const std::string before = folder.read("model.glb");
+  const RunResult result = encage({"bake", "model.glb", "--faces", "60"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(folder.read("model.glb"), before);
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"model.cages.glb", "model.glb", "model.obj"}));
+  expect_refused({"bake", "model.glb", "-o", "./model.glb"}, "input");
+}
+
+TEST_F(BakeCommand, AForeignFileIsReplacedOnlyOnRequest) {
+  folder.write("model.glb", "somebody's other model");
+  expect_refused({"bake", "model.obj", "--faces", "60"}, "model.glb");
+  EXPECT_EQ(folder.read("model.glb"), "somebody's other model");
+  EXPECT_EQ(encage({"bake", "model.obj", "--faces", "60", "-o", "model.glb"}).status, 0);
+  // What is ours is replaced without asking.
+  EXPECT_EQ(encage({"bake", "model.obj", "--faces", "80"}).status, 0);
+}
+
+TEST_F(BakeCommand, JsonHasTheKeysThatOtherToolsReadAndAgreesWithTheAsset) {
+  const RunResult result = encage({"bake", "model.obj", "-o", "a.glb", "--faces", "200,60", "--json", "a.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(folder.read("a.json"));
+  const CageHierarchy hierarchy = read_asset(folder.path() / "a.glb");
+  ASSERT_EQ(json.at("levels").size(), hierarchy.levels.size());
+  ASSERT_EQ(hierarchy.levels.size(), 2U);
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    const Json& level = json["levels"][i];
+    const Certificate& certificate = hierarchy.levels[i].certificate;
+    EXPECT_EQ(level.at("faces"), hierarchy.levels[i].mesh.triangles.rows());
+    EXPECT_EQ(level.at("volume_ratio"), certificate.volume_ratio.value());
+    EXPECT_GT(level.at("volume_ratio"), 1);
+    EXPECT_EQ(level.at("clearance"), certificate.clearance);
+    EXPECT_EQ(level.at("method"), name(certificate.method));
+    EXPECT_EQ(level.at("certified"), true);
+    EXPECT_GE(level.at("seconds"), 0);
+  }
+  EXPECT_LE(json["levels"][0]["faces"], 200);
+  EXPECT_LE(json["levels"][1]["faces"], 60);
+  EXPECT_GT(json.at("seconds"), 0);
+  EXPECT_GT(json.at("peak_rss_bytes"), 1 << 20);
+  EXPECT_EQ(json.at("source").at("faces"), 576);
+  EXPECT_EQ(json.at("source").at("hash"), to_string(hierarchy.source_hash));
+}
+
+TEST_F(BakeCommand, RatioAndLevelsChooseTheFaces) {
+  ASSERT_EQ(encage({"bake", "model.obj", "--ratio", "0.5", "--levels", "3"}).status, 0);
+  const CageHierarchy hierarchy = read_asset(folder.path() / "model.glb");
+  ASSERT_EQ(hierarchy.levels.size(), 3U);
+  for (std::int64_t i = 0, most = 288; i < 3; ++i, most /= 2) {
+    EXPECT_LE(hierarchy.levels[i].mesh.triangles.rows(), most);
+    EXPECT_GT(hierarchy.levels[i].mesh.triangles.rows(), most / 2);
+  }
+}
+
+TEST_F(BakeCommand, NoSourceLeavesLevelZeroOut) {
+  ASSERT_EQ(encage({"bake", "model.obj", "--faces", "60", "--no-source"}).status, 0);
+  EXPECT_EQ(read_asset(folder.path() / "model.glb").fine.triangles.rows(), 0);
+}
+
+TEST_F(BakeCommand, SameBytesForAnyNumberOfThreads) {
+  ASSERT_EQ(encage({"bake", "model.obj", "-o", "one.glb", "--faces", "200,60", "--threads", "1"}).status, 0);
+  ASSERT_EQ(encage({"bake", "model.obj", "-o", "two.glb", "--faces", "200,60", "--threads", "2"}).status, 0);
+  EXPECT_EQ(folder.read("one.glb"), folder.read("two.glb"));
+}
+
+TEST_F(BakeCommand, BadInputIsNamed) {
+  folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 1\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
+  folder.write("infinite.off", "OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n");
+  folder.write("range.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
+  folder.write("empty.obj", "");
+  folder.write("points.off", "OFF\n2 0 0\n0 0 0\n1 1 1\n");
+  folder.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
+  folder.write("model.xyz", "0 0 0\n");
+  for (const char* file : {"nan.obj", "infinite.off", "range.off", "empty.obj", "points.off", "point.obj", "model.xyz",
+                           "missing.obj", "."}) {
+    expect_refused({"bake", file, "-o", "out.glb", "--json", "out.json"}, std::string("encage: ") + file);
+  }
+}
+
+TEST_F(BakeCommand, AnExistingOutputSurvivesAFailure) {
+  folder.write("out.glb", "precious");
+  folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 1\nf 1 2 3\n");
+  expect_refused({"bake", "nan.obj", "-o", "out.glb"}, "nan.obj");
+  EXPECT_EQ(folder.read("out.glb"), "precious");
+}
+
+TEST_F(BakeCommand, OutputsAreCheckedFirst) {
+  // With an input that does not exist: the output's fault is found before anything is read.
+  expect_refused({"bake", "missing.obj", "-o", "nowhere/out.glb"}, "nowhere/out.glb: no such folder");
+  expect_refused({"bake", "missing.obj", "-o", "out.glb", "--json", "nowhere/a.json"}, "nowhere/a.json");
+  expect_refused({"bake", "missing.obj", "-o", "out.obj"}, "out.obj");
+  std::filesystem::create_directory(folder.path() / "folder.glb");
+  expect_refused({"bake", "missing.obj", "-o", "folder.glb"}, "folder.glb: is a folder");
+  expect_refused({"bake", "model.obj", "--json", "model.obj"}, "input");
+  expect_refused({"bake", "model.obj", "-o", "a.glb", "--json", "./a.glb"}, "same file");
+}
+
+TEST_F(BakeCommand, BadOptionsAreNamed) {
+  const std::vector<std::vector<std::string>> bad = {{"--faces", "0"},
+                                                     {"--faces", "3"},
+                                                     {"--faces", "many"},
+                                                     {"--faces", "100,-5"},
+                                                     {"--ratio", "0"},
+                                                     {"--ratio", "1"},
+                                                     {"--ratio", "nan"},
+                                                     {"--ratio", "x"},
+                                                     {"--levels", "0"},
+                                                     {"--levels", "1.5"},
+                                                     {"--method", "magic"},
+                                                     {"--topology", "flat"},
+                                                     {"--min-clearance", "-1"},
+                                                     {"--min-clearance", "nan"},
+                                                     {"--threads", "-1"},
+                                                     {"--time-limit", "0"},
+                                                     {"--time-limit", "inf"},
+                                                     {"--json"},
+                                                     {"--ratio", "0.5", "--faces", "100"}};
+  for (std::vector<std::string> options : bad) {
+    const std::string named = options[0];
+    options.insert(options.begin(), {"bake", "model.obj"});
+    expect_refused(options, named);
+  }
+  expect_refused({"bake"}, "input is required");
+}
+
+TEST_F(BakeCommand, CtrlCLeavesNothingBehind) {
+  folder.write("large.obj", to_obj(torus(600, 200)));
+  folder.write("out.glb", "precious");
+  const std::vector<std::string> before = folder.names();
+  Process bake({ENCAGE_BINARY, "bake", "large.obj", "-o", "out.glb", "--json", "out.json", "--faces", "2000,500,100"},
+               folder.path());
+  using namespace std::chrono_literals;
+  while (bake.running() && !bake.catches(SIGINT)) std::this_thread::sleep_for(1ms);
+  std::this_thread::sleep_for(300ms);
+  ASSERT_TRUE(bake.running());
+  bake.signal(SIGINT);
+  const RunResult result = bake.wait();
+  EXPECT_EQ(result.status, 130) << result.out << result.err;
+  EXPECT_NE(result.err.find("cancelled"), std::string::npos) << result.err;
+  EXPECT_EQ(folder.names(), before);
+  EXPECT_EQ(folder.read("out.glb"), "precious");
+}
+
+}  // namespace
+}  // namespace encage::test
