@@ -44,7 +44,7 @@ std::vector<Phase> portfolio(const LevelRequest& request) {
     if (!phase.empty()) phases.push_back(std::move(phase));
   };
   if (request.faces >= 1500) {
-    add({{Kind::decimate, 3}}, decimates ? Phase{} : Phase{{Kind::wrap, request.faces >= 4000 ? 100.0 : 50.0}});
+    add({{Kind::decimate, 2}}, decimates ? Phase{} : Phase{{Kind::wrap, request.faces >= 4000 ? 100.0 : 50.0}});
     add({{Kind::decimate, 1.5}}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
   } else if (request.faces >= 300) {
     add({{Kind::decimate, 4}}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
@@ -71,12 +71,15 @@ std::optional<TriangleMesh> make_start(const Start& start, const Obstacle& obsta
   switch (start.kind) {
     case Start::Kind::decimate: {
       const double height = kOffset * request.diagonal;
-      const auto faces = static_cast<std::int64_t>(start.parameter * static_cast<double>(request.faces));
-      if (faces < clean.triangles.rows()) {
-        auto cage = offset_start(obstacle, simplify(clean, faces), height, true, request.clearance);
+      // Coarse decimations fold or cut through more often: then a finer one.
+      double faces = start.parameter * static_cast<double>(request.faces);
+      for (int attempt = 0; attempt < 4 && faces < 0.8 * static_cast<double>(clean.triangles.rows()); ++attempt) {
+        auto cage = offset_start(obstacle, simplify(clean, static_cast<std::int64_t>(faces)), height, true,
+                                 request.clearance);
         if (cage) return cage;
+        faces *= 1.5;
       }
-      if (clean.triangles.rows() > 2 * faces) return std::nullopt;
+      if (static_cast<double>(clean.triangles.rows()) > 2 * faces) return std::nullopt;
       auto cage = offset_start(obstacle, clean, height / 2, false, request.clearance);
       return cage ? cage : offset_start(obstacle, clean, height, true, request.clearance);
     }

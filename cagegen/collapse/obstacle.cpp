@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace encage::collapse {
 
@@ -15,24 +16,35 @@ constexpr double kFilterSlack = 1.5e-6;
 // Distance from the edge at which a triangle is lifted in full, in lifts.
 constexpr double kFullLift = 20;
 
-/// A convex polygon of at most eight corners, cut in place.
-struct Polygon {
-  std::array<Point, 10> corner;
-  int count = 0;
+/// A convex polygon of at most eight corners, cut by half-spaces.
+class Polygon {
+ public:
+  explicit Polygon(const Corners& c) : count_(3) { std::copy(c.begin(), c.end(), corner_[0].begin()); }
 
-  /// Keeps the part where normal . x <= offset.
-  void cut(const Point& normal, double offset) {
-    Polygon kept;
-    for (int i = 0; i < count; ++i) {
-      const Point& p = corner[i];
-      const Point& q = corner[(i + 1) % count];
-      const double fp = normal.dot(p) - offset;
-      const double fq = normal.dot(q) - offset;
-      if (fp <= 0) kept.corner[kept.count++] = p;
-      if ((fp < 0 && fq > 0) || (fp > 0 && fq < 0)) kept.corner[kept.count++] = p + fp / (fp - fq) * (q - p);
+  std::span<const Point> corners() const { return {corner_[side_].data(), static_cast<std::size_t>(count_)}; }
+
+  /// Keeps the part where value(x) <= 0, for an affine function.
+  template <class Affine>
+  void cut(const Affine& value) {
+    const auto& from = corner_[side_];
+    auto& to = corner_[1 - side_];
+    int kept = 0;
+    for (int i = 0; i < count_; ++i) {
+      const Point& p = from[i];
+      const Point& q = from[i + 1 < count_ ? i + 1 : 0];
+      const double fp = value(p);
+      const double fq = value(q);
+      if (fp <= 0) to[kept++] = p;
+      if ((fp < 0 && fq > 0) || (fp > 0 && fq < 0)) to[kept++] = p + fp / (fp - fq) * (q - p);
     }
-    *this = kept;
+    side_ = 1 - side_;
+    count_ = kept;
   }
+
+ private:
+  std::array<Point, 10> corner_[2];
+  int side_ = 0;
+  int count_;
 };
 
 }  // namespace
@@ -152,24 +164,30 @@ bool Obstacle::hit(const Prism& prism, double clearance) const {
 
 double Obstacle::steepest(const Prism& prism, const Corners& t, double lift, double ceiling, double slope) {
   const Point inward = -prism.side[1];
-  // Everything relative to the edge's start, where height and distance are 0. Most triangles lie
-  // under the present plane: height + lift < slope * distance.
+  // Everything relative to the edge's start, where height and distance are 0.
   const Corners x{t[0] - prism.corner[1], t[1] - prism.corner[1], t[2] - prism.corner[1]};
   const Point down = inward * slope - prism.normal;
-  if (std::min({down.dot(x[0]), down.dot(x[1]), down.dot(x[2])}) > lift) return slope;
-  Polygon polygon;
-  for (const Point& p : x) polygon.corner[polygon.count++] = p;
-  polygon.cut(down, lift);
-  polygon.cut(prism.normal, ceiling);
-  for (int k = 0; k < 3 && polygon.count > 0; ++k) {
-    polygon.cut(prism.side[k], prism.side[k].dot(prism.corner[k] - prism.corner[1]));
+  // In the order in which they reject most: under the present plane, beside the prism, above the ceiling.
+  const std::array<Point, 5> normal{down, prism.side[0], prism.side[1], prism.side[2], prism.normal};
+  const std::array<double, 5> offset{lift, 0, 0, prism.side[2].dot(prism.corner[2] - prism.corner[1]), ceiling};
+  std::array<bool, 5> cuts;
+  for (int i = 0; i < 5; ++i) {
+    const double f0 = normal[i].dot(x[0]);
+    const double f1 = normal[i].dot(x[1]);
+    const double f2 = normal[i].dot(x[2]);
+    if (std::min({f0, f1, f2}) > offset[i]) return slope;
+    cuts[i] = i > 0 && std::max({f0, f1, f2}) > offset[i];
+  }
+  Polygon polygon(x);
+  for (int i = 1; i < 5; ++i) {
+    if (cuts[i]) polygon.cut([&](const Point& p) { return normal[i].dot(p) - offset[i]; });
   }
   // Next to the edge, which stays where it is, turning lifts nothing: ask for less there.
   const double depth = inward.dot(prism.corner[0] - prism.corner[1]);
   const double full = std::min(kFullLift * lift, depth / 4);
-  for (int i = 0; i < polygon.count; ++i) {
-    const double distance = inward.dot(polygon.corner[i]);
-    const double height = prism.normal.dot(polygon.corner[i]);
+  for (const Point& p : polygon.corners()) {
+    const double distance = inward.dot(p);
+    const double height = prism.normal.dot(p);
     if (distance > 1e-9 * depth) slope = std::max(slope, height / distance + lift / std::max(distance, full));
   }
   return slope;
@@ -204,6 +222,32 @@ double Obstacle::steepest(const Prism& prism, double lift, double ceiling, doubl
     }
   });
   return slope;
+}
+
+double Obstacle::highest(const Prism& prism, double ceiling, double height) const {
+  Eigen::AlignedBox3d box;
+  for (const Point& p : prism.corner) {
+    box.extend(p);
+    box.extend(p + ceiling * prism.normal);
+  }
+  BoxFilter filter(box, magnitude_);
+  const double level = prism.normal.dot(prism.corner[0]);
+  filter.below(-prism.normal, -(level + height));
+  for (int k = 0; k < 3; ++k) filter.below(prism.side[k], prism.side[k].dot(prism.corner[k]));
+  const auto depth = [&](const Float4(&low)[3], const Float4(&high)[3]) { return filter.depth(low, high); };
+  tree_.traverse_ranked(filter, depth, [&](std::int32_t t) {
+    ++work();
+    for (const Point& p : corners_[t]) {
+      const double h = prism.height(p);
+      if (h <= height || h > ceiling) continue;
+      bool over = true;
+      for (int k = 0; k < 3; ++k) over = over && prism.side[k].dot(p - prism.corner[k]) <= 0;
+      if (!over) continue;
+      height = h;
+      filter.set_below(0, -prism.normal, -(level + height));
+    }
+  });
+  return height;
 }
 
 void Obstacle::representatives(const Eigen::AlignedBox3d& box, std::vector<Point>& found) const {

@@ -79,6 +79,10 @@ class Obstacle {
   /// The same for one obstacle triangle.
   static double steepest(const Prism& prism, const Corners& t, double lift, double ceiling, double slope);
 
+  /// Height above the prism's triangle of the highest corner of the obstacle over it, at most `ceiling`
+  /// (higher ones belong to other parts) and at least `height`.
+  double highest(const Prism& prism, double ceiling, double height) const;
+
   /// Points, one a component, within a box.
   void representatives(const Eigen::AlignedBox3d& box, std::vector<Point>& found) const;
 

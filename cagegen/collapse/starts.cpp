@@ -42,6 +42,9 @@ struct Contacts {
   }
 };
 
+// Starts may come closer to themselves than edits are allowed to: short edges bring triangles together.
+constexpr double kSelfClearance = 1e-3;
+
 Contacts find_contacts(const Obstacle& obstacle, const TriangleMesh& cage, double clearance,
                        const std::vector<bool>* only) {
   const TriangleTree tree = tree_of(cage);
@@ -59,13 +62,28 @@ Contacts find_contacts(const Obstacle& obstacle, const TriangleMesh& cage, doubl
     tree.traverse(obstacle.near(prism, clearance), [&](std::int32_t other) {
       if (other == static_cast<std::int32_t>(t) || contacts.self[t]) return;
       if (!separated(indices(cage, static_cast<std::int64_t>(t)), mine, indices(cage, other), corners(cage, other),
-                     clearance)) {
+                     kSelfClearance * clearance)) {
         contacts.self[t] = true;
         contacts.self[other] = true;
       }
     });
   }
   return contacts;
+}
+
+/// Heights that put the offset of each triangle above the part of the obstacle over it.
+void raise_above(const Obstacle& obstacle, const TriangleMesh& base, double height, const std::vector<bool>& only,
+                 std::vector<double>& heights) {
+  for (std::int64_t t = 0; t < base.triangles.rows(); ++t) {
+    if (!only[static_cast<std::size_t>(t)]) continue;
+    const Corners c = corners(base, t);
+    const Prism prism(c);
+    if (!prism.valid) continue;
+    // A decimation is off by less than its edges are long; what is farther is another strand.
+    const double longest = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
+    const double over = obstacle.highest(prism, longest / 3, 0);
+    for (const std::int32_t v : indices(base, t)) heights[v] = std::max(heights[v], over + height);
+  }
 }
 
 /// Per vertex, the shortest move that lifts every incident triangle's plane by one.
@@ -125,7 +143,7 @@ void smooth(TriangleMesh& mesh, const std::vector<bool>& chosen) {
 
 std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const TriangleMesh& surface, double height,
                                          bool grow, double clearance) {
-  constexpr int rounds = 24;
+  constexpr int rounds = 12;
   TriangleMesh base = surface;
   TriangleMesh cage = surface;
   const std::size_t vertex_count = static_cast<std::size_t>(base.vertices.rows());
@@ -133,6 +151,7 @@ std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const Triangl
   std::vector<double> heights(vertex_count, height);
   std::vector<bool> moved(vertex_count, true);
   std::vector<bool> dirty(static_cast<std::size_t>(base.triangles.rows()), true);
+  if (grow) raise_above(obstacle, base, height, dirty, heights);
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t v = 0; v < vertex_count; ++v) {
       if (!moved[v]) continue;
@@ -179,6 +198,7 @@ std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const Triangl
         if (moved[v]) dirty[t] = true;
       }
     }
+    if (smooths) raise_above(obstacle, base, height, dirty, heights);
   }
   return std::nullopt;
 }

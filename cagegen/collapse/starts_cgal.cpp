@@ -64,8 +64,10 @@ std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleM
   CGAL::alpha_wrap_3(points, faces, alpha, offset, wrap);
   TriangleMesh cage = outermost_components(from_cgal(wrap));
   round_vertices(cage);
-  if (cage.triangles.rows() == 0 || !clear(obstacle, cage, clearance)) return std::nullopt;
-  return cage;
+  if (cage.triangles.rows() == 0) return std::nullopt;
+  if (clear(obstacle, cage, clearance)) return cage;
+  // A wrap encloses its input, but single triangles may come closer than the offset.
+  return offset_start(obstacle, cage, 2 * clearance, true, clearance);
 }
 
 TriangleMesh make_manifold(const TriangleMesh& mesh) {
