@@ -27,7 +27,8 @@ void validate(const BakeOptions& options) {
     throw Error("bake options: faces and ratio/levels exclude each other");
   }
   for (const std::int64_t faces : options.faces) {
-    if (faces < 4) throw Error("bake options: a level of " + std::to_string(faces) + " faces; a closed surface needs 4");
+    if (faces < 4)
+      throw Error("bake options: a level of " + std::to_string(faces) + " faces; a closed surface needs 4");
   }
   if (options.ratio && !(*options.ratio > 0 && *options.ratio < 1)) {
     throw Error("bake options: ratio " + std::to_string(*options.ratio) + " is not between 0 and 1");
@@ -73,8 +74,7 @@ std::vector<std::int64_t> useful_levels(const std::vector<std::int64_t>& wanted,
       levels.push_back(faces);
       before = faces;
     } else if (context.log) {
-      context.log("level of " + std::to_string(faces) + " faces skipped: the one before has " +
-                  std::to_string(before));
+      context.log("level of " + std::to_string(faces) + " faces skipped: the one before has " + std::to_string(before));
     }
   }
   return levels;
@@ -135,8 +135,8 @@ class Baker {
  public:
   Baker(const SourceMesh& source, const BakeOptions& options, const BakeContext& context)
       : source_(source), options_(options), context_(context) {
-    threads_ = options.threads > 0 ? options.threads
-                                   : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    threads_ =
+        options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     control_.cancel = context.cancel;
     if (options.time_limit) {
       control_.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -147,8 +147,7 @@ class Baker {
   CageHierarchy run(BakeReport* report) {
     const auto start = Clock::now();
     const std::int64_t source_faces = source_.clean.triangles.rows();
-    std::vector<std::int64_t> levels =
-        useful_levels(wanted_levels(options_, source_faces), source_faces, context_);
+    std::vector<std::int64_t> levels = useful_levels(wanted_levels(options_, source_faces), source_faces, context_);
     CageHierarchy result;
     result.origin = source_.origin;
     result.solid = source_.solid;
@@ -173,7 +172,8 @@ class Baker {
       // One level may come out with fewer faces than asked for, even fewer than the next.
       if (report != nullptr) report->levels.push_back({seconds_since(level_start)});
       while (i + 1 < levels.size() && levels[i + 1] >= result.levels.back().mesh.triangles.rows()) {
-        if (context_.log) context_.log("level of " + std::to_string(levels[i + 1]) + " faces skipped: the one before is as coarse");
+        if (context_.log)
+          context_.log("level of " + std::to_string(levels[i + 1]) + " faces skipped: the one before is as coarse");
         ++i;
       }
     }

@@ -107,7 +107,7 @@ Eigen::Vector3d local_origin(const Eigen::AlignedBox3d& bounds) {
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(centre[axis]) <= 4 * diagonal) continue;
     // Half a diagonal of freedom: a coarse power of two keeps the origin short in print.
-    const double step = std::exp2(std::floor(std::log2(diagonal)) - 2);
+    const double step = std::ldexp(1.0, std::ilogb(diagonal) - 2);
     const double rounded = std::nearbyint(centre[axis] / step) * step;
     origin[axis] = std::isfinite(rounded) ? rounded : centre[axis];
   }

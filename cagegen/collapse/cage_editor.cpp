@@ -10,10 +10,10 @@ namespace encage::collapse {
 
 namespace {
 
-constexpr int kRounds = 8;             // of cutting planes for one placement
-constexpr double kLift = 3;             // clearances that a placement aims for
-constexpr std::size_t kHitLimit = 64;  // per triangle and round
-constexpr double kThinnest = 1e-4;     // height / longest edge of a cage triangle
+constexpr int kRounds = 8;                 // of cutting planes for one placement
+constexpr double kLift = 3;                // clearances that a placement aims for
+constexpr std::size_t kHitLimit = 64;      // per triangle and round
+constexpr double kThinnest = 1e-4;         // height / longest edge of a cage triangle
 constexpr std::int32_t kMovedVertex = -1;  // index of the vertex being placed
 
 }  // namespace
@@ -173,9 +173,14 @@ CageEditor::Objective CageEditor::objective(const Patch& patch, double quadric_w
 double CageEditor::estimate_collapse(std::int32_t u, std::int32_t v) const {
   thread_local Patch patch;
   if (!make_collapse_patch(u, v, patch)) return std::numeric_limits<double>::infinity();
-  const Objective o = objective(patch, options_.quadric_weight);
-  // The better end or the middle: an upper bound of the free minimum, good enough as a key.
-  return std::min({o.cost(position_[u]), o.cost(position_[v]), o.cost(o.centre)});
+  const Objective whole = objective(patch, options_.quadric_weight);
+  const Objective volume = objective(patch, 0);
+  double best = std::numeric_limits<double>::infinity();
+  for (const Point& p : {position_[u], position_[v], whole.centre}) {
+    const double added = volume.cost(p);
+    best = std::min(best, whole.cost(p) - added + std::abs(added));
+  }
+  return best;
 }
 
 std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t v) {
@@ -279,33 +284,6 @@ bool CageEditor::well_shaped(const Patch& patch, const Point& p) const {
   return true;
 }
 
-namespace {
-
-/// True if a direction is found that every unit normal faces. Perceptron steps: they end soon unless
-/// the cone is very thin, and then it may as well count as empty.
-bool common_direction(const std::vector<Point>& normals) {
-  constexpr double least = 0.02;
-  Point direction = Point::Zero();
-  for (const Point& n : normals) direction += n;
-  for (int step = 0; step < 24; ++step) {
-    direction.normalize();
-    double worst = 1;
-    std::size_t index = 0;
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-      const double d = direction.dot(normals[i]);
-      if (d < worst) {
-        worst = d;
-        index = i;
-      }
-    }
-    if (worst > least) return true;
-    direction += (0.2 - worst) * normals[index];
-  }
-  return false;
-}
-
-}  // namespace
-
 bool CageEditor::cones_hold(const Patch& patch, const Point& p) const {
   thread_local std::vector<Point> normals;
   const auto normal_of = [](const Point& x, const Point& y, const Point& z) {
@@ -359,7 +337,7 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
       const RingEdge& e = patch.ring[i];
       const RingEdge& f = patch.ring[j];
       if (!separated({kMovedVertex, e.a, e.b}, {p, position_[e.a], position_[e.b]}, {kMovedVertex, f.a, f.b},
-                     {p, position_[f.a], position_[f.b]}, options_.clearance)) {
+                     {p, position_[f.a], position_[f.b]}, options_.self_clearance)) {
         return false;
       }
     }
@@ -369,7 +347,7 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
   for (const RingEdge& edge : patch.ring) {
     const Corners mine{p, position_[edge.a], position_[edge.b]};
     const Prism prism(mine);
-    const double clearance = options_.clearance;
+    const double clearance = options_.self_clearance;
     const BoxFilter filter = obstacle_.near(prism, clearance);
     bool clear = true;
     tree_.traverse(filter, [&](std::int32_t t) {

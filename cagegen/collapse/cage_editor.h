@@ -15,7 +15,8 @@
 namespace encage::collapse {
 
 struct EditorOptions {
-  double clearance = 0;       ///< to the obstacle and to itself, length
+  double clearance = 0;       ///< to the obstacle, length
+  double self_clearance = 0;  ///< between triangles that share no vertex, length
   bool keep_cones = true;     ///< every vertex keeps a direction that all its triangles face
   double quadric_weight = 1;  ///< of the quadric error against the added volume
 };

@@ -19,9 +19,7 @@ struct Candidate {
   std::uint32_t version;  ///< of u and v together, when the cost was found
   std::int32_t id;        ///< index into Queue::waiting_
 
-  bool operator>(const Candidate& other) const {
-    return std::tie(cost, u, v) > std::tie(other.cost, other.u, other.v);
-  }
+  bool operator>(const Candidate& other) const { return std::tie(cost, u, v) > std::tie(other.cost, other.u, other.v); }
 };
 
 /// Edges by cost. Costs may be stale: they are the keys of a lazy queue.

@@ -9,9 +9,9 @@
 namespace encage::collapse {
 
 struct CollapseLimits {
-  std::int64_t faces = 0;     ///< stop at this many or fewer
-  double added_volume = 0;    ///< give up when the cage has grown by more
-  std::uint64_t work = 0;     ///< give up after so many triangle tests
+  std::int64_t faces = 0;                         ///< stop at this many or fewer
+  double added_volume = 0;                        ///< give up when the cage has grown by more
+  std::uint64_t work = 0;                         ///< give up after so many triangle tests
   std::function<void(double fraction)> progress;  ///< may throw to cancel
 };
 

@@ -19,14 +19,16 @@ namespace {
 
 // Decided by experiment on octopus, fandisk, elephant and armadillo.
 constexpr double kQuadricWeight = 10;
-constexpr double kOffset = 2e-4;         // height of an offset start, diagonals
-constexpr double kWrapOffset = 1.0 / 12;  // of the wrap's alpha
+constexpr double kOffset = 2e-4;                        // height of an offset start, diagonals
+constexpr double kWrapOffset = 1.0 / 12;                // of the wrap's alpha
 constexpr std::uint64_t kWorkPerLevel = 2'000'000'000;  // triangle tests of one candidate
-constexpr double kExplosion = 20;        // a candidate may grow to so many times its start
+constexpr double kSelfClearance = 6;  // clearances: the next level must fit between two strands of this one
+constexpr double kExplosion = 20;     // a candidate may grow to so many times its start
 
 struct Start {
   enum class Kind { decimate, wrap, hull } kind;
   double parameter = 0;  ///< faces relative to the target, or diagonals relative to alpha
+  double fallback = 0;   ///< of a decimation that fails: a wrap's parameter, 0 for none
 };
 
 using Phase = std::vector<Start>;
@@ -43,15 +45,19 @@ std::vector<Phase> portfolio(const LevelRequest& request) {
     if (request.topology != Topology::keep) phase.insert(phase.end(), wraps.begin(), wraps.end());
     if (!phase.empty()) phases.push_back(std::move(phase));
   };
+  const double finest = request.faces >= 4000 ? 100 : 50;
+  const double fallback = request.topology == Topology::keep ? 0 : request.faces >= 1500 ? 100 : 50;
   if (request.faces >= 1500) {
-    add({{Kind::decimate, 2}}, decimates ? Phase{} : Phase{{Kind::wrap, request.faces >= 4000 ? 100.0 : 50.0}});
-    add({{Kind::decimate, 1.5}}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
+    add({{Kind::decimate, 2, fallback}}, decimates ? Phase{} : Phase{{Kind::wrap, finest}});
+    add({}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
   } else if (request.faces >= 300) {
-    add({{Kind::decimate, 4}}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
-    add({{Kind::decimate, 1.5}}, {{Kind::wrap, 10}, {Kind::wrap, 5}});
+    add({{Kind::decimate, 4, fallback}},
+        decimates ? Phase{{Kind::wrap, 20}} : Phase{{Kind::wrap, 50}, {Kind::wrap, 20}});
+    add({}, {{Kind::wrap, 10}, {Kind::wrap, 5}});
   } else {
-    add({{Kind::decimate, 8}}, {{Kind::wrap, 20}, {Kind::wrap, 10}, {Kind::wrap, 5}});
-    add({{Kind::decimate, 2}}, {{Kind::wrap, 50}});
+    add({{Kind::decimate, 8, request.faces >= 150 ? fallback : 0}},
+        {{Kind::wrap, 20}, {Kind::wrap, 10}, {Kind::wrap, 5}});
+    add({}, {{Kind::wrap, 50}});
   }
   if (request.topology != Topology::keep) phases.push_back({{Kind::hull, 0}});
   return phases;
@@ -66,41 +72,45 @@ std::string name(const Start& start) {
   return {};
 }
 
-std::optional<TriangleMesh> make_start(const Start& start, const Obstacle& obstacle, const LevelRequest& request) {
+std::optional<TriangleMesh> make_decimation(double parameter, const Obstacle& obstacle, const LevelRequest& request) {
   const TriangleMesh& clean = *request.clean;
-  switch (start.kind) {
-    case Start::Kind::decimate: {
-      const double height = kOffset * request.diagonal;
-      // Coarse decimations fold or cut through more often: then a finer one.
-      double faces = start.parameter * static_cast<double>(request.faces);
-      for (int attempt = 0; attempt < 4 && faces < 0.8 * static_cast<double>(clean.triangles.rows()); ++attempt) {
-        auto cage = offset_start(obstacle, simplify(clean, static_cast<std::int64_t>(faces)), height, true,
-                                 request.clearance);
-        if (cage) return cage;
-        faces *= 1.5;
-      }
-      if (static_cast<double>(clean.triangles.rows()) > 2 * faces) return std::nullopt;
-      auto cage = offset_start(obstacle, clean, height / 2, false, request.clearance);
-      return cage ? cage : offset_start(obstacle, clean, height, true, request.clearance);
-    }
-    case Start::Kind::wrap: {
-      const double alpha = request.diagonal / start.parameter;
-      return wrap_start(obstacle, clean, alpha, alpha * kWrapOffset, request.clearance);
-    }
-    case Start::Kind::hull: return hull_start(obstacle, clean, request.clearance);
+  const double height = kOffset * request.diagonal;
+  const double available = static_cast<double>(clean.triangles.rows());
+  // Coarse decimations fold or cut through more often: then a finer one.
+  double faces = parameter * static_cast<double>(request.faces);
+  for (int attempt = 0; attempt < 3 && faces < 0.8 * available; ++attempt) {
+    auto cage =
+        offset_start(obstacle, simplify(clean, static_cast<std::int64_t>(faces)), height, true, request.clearance);
+    if (cage) return cage;
+    faces *= 1.5;
   }
-  return std::nullopt;
+  if (available > 2 * faces) return std::nullopt;
+  auto cage = offset_start(obstacle, clean, height / 2, false, request.clearance);
+  return cage ? cage : offset_start(obstacle, clean, height, true, request.clearance);
+}
+
+/// Makes the start, or its fallback, which then replaces it.
+std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, const LevelRequest& request) {
+  if (start.kind == Start::Kind::hull) return hull_start(obstacle, *request.clean, request.clearance);
+  if (start.kind == Start::Kind::decimate) {
+    auto cage = make_decimation(start.parameter, obstacle, request);
+    if (cage || start.fallback == 0) return cage;
+    start = {Start::Kind::wrap, start.fallback};
+  }
+  const double alpha = request.diagonal / start.parameter;
+  return wrap_start(obstacle, *request.clean, alpha, alpha * kWrapOffset, request.clearance);
 }
 
 EditorOptions editor_options(const LevelRequest& request) {
   EditorOptions options;
   options.clearance = request.clearance;
+  options.self_clearance = kSelfClearance * request.clearance;
   options.quadric_weight = kQuadricWeight;
   return options;
 }
 
-std::optional<Candidate> run(const Start& start, const Obstacle& obstacle, const LevelRequest& request,
-                             Control& control, const std::function<void(double)>& progress) {
+std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelRequest& request, Control& control,
+                             const std::function<void(double)>& progress) {
   auto cage = make_start(start, obstacle, request);
   if (!cage || outermost_components(*cage).triangles.rows() != cage->triangles.rows()) return std::nullopt;
   const double volume = signed_volume(*cage);
@@ -175,21 +185,18 @@ std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, con
   return candidates;
 }
 
-Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request,
-                 Control& control) {
+Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request, Control& control) {
   CageEditor editor(obstacle, candidate.cage, editor_options(request));
-  EditorOptions options = editor.options();
-  options.keep_cones = false;  // no level is collapsed from this one: the next starts around it
-  editor.set_options(options);
-  for (int sweep = 0; sweep < 2; ++sweep) tighten(editor);
-  Candidate finished{shrink(obstacle, editor.extract(), request.clearance, request.threads,
-                            [&] {
-                              if (control.cancelled()) throw Cancelled();
-                            }),
-                     0, candidate.start};
-  CageEditor last(obstacle, finished.cage, options);
-  for (int sweep = 0; sweep < 2; ++sweep) tighten(last);
-  finished.cage = last.extract();
+  tighten(editor);
+  const auto check = [&] {
+    if (control.cancelled()) throw Cancelled();
+  };
+  Candidate finished{editor.extract(), 0, candidate.start};
+  // Steps get shorter as they jam; starting over with long ones frees coarse cages again.
+  for (int pass = 0; pass < (request.faces > 1000 ? 1 : 2); ++pass) {
+    finished.cage =
+        shrink(obstacle, finished.cage, request.clearance, kSelfClearance * request.clearance, request.threads, check);
+  }
   finished.volume = signed_volume(finished.cage);
   return finished;
 }

@@ -112,7 +112,8 @@ Obstacle::Obstacle(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) boxes[t].extend(mesh.corner(static_cast<std::int64_t>(t), k));
   }
   tree_.build(boxes);
-  for (const std::int32_t t : tree_.renumber()) corners_.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
+  for (const std::int32_t t : tree_.renumber())
+    corners_.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
   for (const auto& box : boxes) {
     magnitude_ = std::max({magnitude_, box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()});
   }

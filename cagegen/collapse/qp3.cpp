@@ -17,8 +17,8 @@ constexpr double kParallel = 1e-9;    // sine below which two normals count as p
 
 /// Closest point to `target` on the line point + t direction within the half-spaces.
 std::optional<Eigen::Vector3d> nearest_on_line(const Eigen::Vector3d& target, const Eigen::Vector3d& point,
-                                               const Eigen::Vector3d& direction,
-                                               std::span<const HalfSpace> constraints, double tolerance) {
+                                               const Eigen::Vector3d& direction, std::span<const HalfSpace> constraints,
+                                               double tolerance) {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
   for (const HalfSpace& c : constraints) {

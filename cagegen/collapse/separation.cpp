@@ -22,8 +22,8 @@ bool gap_along(const Point& axis, const Corners& s, const Corners& t, double cle
   const double t0 = axis.dot(t[0] - s[0]);
   const double t1 = axis.dot(t[1] - s[0]);
   const double t2 = axis.dot(t[2] - s[0]);
-  const double gap = std::max(std::min({t0, t1, t2}) - std::max({0.0, s1, s2}),
-                              std::min({0.0, s1, s2}) - std::max({t0, t1, t2}));
+  const double gap =
+      std::max(std::min({t0, t1, t2}) - std::max({0.0, s1, s2}), std::min({0.0, s1, s2}) - std::max({t0, t1, t2}));
   return gap > 0 && gap * gap > clearance * clearance * length2;
 }
 
@@ -92,8 +92,8 @@ bool separated_at_edge(const Point& a, const Point& b, const Point& c, const Poi
   return w.dot(x) < kFold * w.norm() * x.norm();
 }
 
-bool separated(const std::array<std::int32_t, 3>& index_s, const Corners& s,
-               const std::array<std::int32_t, 3>& index_t, const Corners& t, double clearance) {
+bool separated(const std::array<std::int32_t, 3>& index_s, const Corners& s, const std::array<std::int32_t, 3>& index_t,
+               const Corners& t, double clearance) {
   int shared = 0;
   int in_s = 0;  // sums of the shared places: one place, or three less the third one
   int in_t = 0;
@@ -123,6 +123,27 @@ double solid_angle(const Point& x, const Corners& t) {
   const Point b = (t[1] - x).normalized();
   const Point c = (t[2] - x).normalized();
   return 2 * std::atan2(a.dot(b.cross(c)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+}
+
+bool common_direction(std::span<const Point> normals) {
+  constexpr double least = 0.02;
+  Point direction = Point::Zero();
+  for (const Point& n : normals) direction += n;
+  for (int step = 0; step < 24; ++step) {
+    direction.normalize();
+    double worst = 1;
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      const double d = direction.dot(normals[i]);
+      if (d < worst) {
+        worst = d;
+        index = i;
+      }
+    }
+    if (worst > least) return true;
+    direction += (0.2 - worst) * normals[index];
+  }
+  return false;
 }
 
 }  // namespace encage::collapse

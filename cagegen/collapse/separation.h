@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace encage::collapse {
 
@@ -26,8 +27,12 @@ bool separated_at_edge(const Point& a, const Point& b, const Point& c, const Poi
 
 /// Two triangles of one cage, with their vertex indices: true if they meet at most in the vertices
 /// or the edge they share, and keep `clearance` if they share none.
-bool separated(const std::array<std::int32_t, 3>& index_s, const Corners& s,
-               const std::array<std::int32_t, 3>& index_t, const Corners& t, double clearance);
+bool separated(const std::array<std::int32_t, 3>& index_s, const Corners& s, const std::array<std::int32_t, 3>& index_t,
+               const Corners& t, double clearance);
+
+/// True if a direction is found that every unit normal faces: the vertex can be moved outward.
+/// Perceptron steps, which end soon unless the cone is so thin that it may count as empty.
+bool common_direction(std::span<const Point> normals);
 
 /// Signed solid angle under which a triangle is seen from x; positive from its inner side.
 double solid_angle(const Point& x, const Corners& t);

@@ -16,11 +16,11 @@ namespace encage::collapse {
 
 namespace {
 
-constexpr std::int64_t kFaceTests = 160'000;  // budget of one call
+constexpr std::int64_t kFaceTests = 120'000;  // budget of one call
 constexpr int kIterations = 40;
-constexpr int kRounds = 6;          // of contact generation in one iteration
-constexpr int kSweeps = 40;         // of projected Gauss-Seidel in one solve
-constexpr double kLift = 1.6;       // clearances that a contact asks for
+constexpr int kRounds = 6;     // of contact generation in one iteration
+constexpr int kSweeps = 40;    // of projected Gauss-Seidel in one solve
+constexpr double kLift = 1.6;  // clearances that a contact asks for
 constexpr std::size_t kHitLimit = 24;
 constexpr double kThinnest = 1e-4;
 
@@ -47,13 +47,15 @@ struct Contact {
 
 class Shrinker {
  public:
-  Shrinker(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, int threads)
-      : obstacle_(obstacle), clearance_(clearance), threads_(threads) {
+  Shrinker(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, double self_clearance, int threads)
+      : obstacle_(obstacle), clearance_(clearance), self_clearance_(self_clearance), threads_(threads) {
     for (std::int64_t v = 0; v < cage.vertices.rows(); ++v) {
       position_.push_back(cage.vertex(static_cast<std::int32_t>(v)));
     }
+    incident_.resize(position_.size());
     for (std::int64_t t = 0; t < cage.triangles.rows(); ++t) {
       face_.push_back({cage.triangles(t, 0), cage.triangles(t, 1), cage.triangles(t, 2)});
+      for (const std::int32_t v : face_.back()) incident_[v].push_back(static_cast<std::int32_t>(t));
     }
   }
 
@@ -102,9 +104,7 @@ class Shrinker {
 
   /// About the mean gap: the distance from a sample of the face centres to the obstacle is costly,
   /// a share of the edge length does as well, since steps adapt.
-  double first_step() const {
-    return 0.06 * std::sqrt(area() / static_cast<double>(face_.size()));
-  }
+  double first_step() const { return 0.06 * std::sqrt(area() / static_cast<double>(face_.size())); }
 
   /// The gradient of the volume per vertex (an area vector), as a unit direction.
   std::vector<Point> outward() const {
@@ -140,7 +140,7 @@ class Shrinker {
       y = project(wanted);
       for (Point& p : y) p = round_to_float(p);
       hits = find_hits(y);
-      if (hits.empty()) return y;
+      if (hits.empty()) return retreat(y, lost_cones(y));
       for (const Pair& pair : hits) {
         const bool again = std::binary_search(known.begin(), known.end(), pair);
         add_contact(pair, again);
@@ -149,7 +149,11 @@ class Shrinker {
       std::sort(known.begin(), known.end());
       known.erase(std::unique(known.begin(), known.end()), known.end());
     }
-    // What still touches stays where it was; its neighbours may then touch in turn.
+    return retreat(std::move(y), std::move(hits));
+  }
+
+  /// What still touches goes back to where it was; its neighbours may then touch in turn.
+  std::vector<Point> retreat(std::vector<Point> y, std::vector<Pair> hits) {
     while (!hits.empty()) {
       for (const Pair& pair : hits) {
         for (const std::int32_t v : face_[pair.face]) y[v] = position_[v];
@@ -157,9 +161,28 @@ class Shrinker {
         for (const std::int32_t v : face_[-1 - pair.other]) y[v] = position_[v];
       }
       hits = find_hits(y);
-      budget_ -= 1;
+      if (hits.empty()) hits = lost_cones(y);
     }
     return y;
+  }
+
+  /// The faces around every vertex that would lose its cone of outward directions: the next coarser
+  /// level could not start there.
+  std::vector<Pair> lost_cones(const std::vector<Point>& y) const {
+    std::vector<Pair> found;
+    std::vector<Point> normals;
+    const auto has_cone = [&](const std::vector<Point>& positions, std::size_t v) {
+      normals.clear();
+      for (const std::int32_t f : incident_[v]) normals.push_back(Prism(corners(positions, f)).normal);
+      return common_direction(normals);
+    };
+    for (std::size_t v = 0; v < incident_.size(); ++v) {
+      bool changed = false;
+      for (const std::int32_t f : incident_[v]) changed = changed || corners(y, f) != corners(position_, f);
+      if (!changed || has_cone(y, v) || !has_cone(position_, v)) continue;
+      for (const std::int32_t f : incident_[v]) found.push_back({f, -1 - f});
+    }
+    return found;
   }
 
   /// Linearises a pair at the present valid state. `strict`: all corners of the face stay beyond the
@@ -187,7 +210,7 @@ class Shrinker {
     if (!(distance > 0)) return;
     const Point normal = (p - q) / distance;
     // Never ask for more than there is: the present state must remain feasible.
-    const double gap = std::min(kLift * clearance_, distance);
+    const double gap = std::min(kLift * (self ? self_clearance_ : clearance_), distance);
     if (strict && !self) {
       for (int k = 0; k < 3; ++k) {
         Contact c{pair, normal, {}, {}, 1, normal.dot(q) + gap, 1, 0};
@@ -263,7 +286,8 @@ class Shrinker {
     return all;
   }
 
-  void face_hits(const std::vector<Point>& y, const TriangleTree& tree, std::int32_t f, std::vector<Pair>& found) const {
+  void face_hits(const std::vector<Point>& y, const TriangleTree& tree, std::int32_t f,
+                 std::vector<Pair>& found) const {
     const Corners mine = corners(y, f);
     const Corners old = corners(position_, f);
     const Prism prism(mine);
@@ -279,28 +303,30 @@ class Shrinker {
     triangles.clear();
     if (!unchanged) obstacle_.hits(prism, clearance_, kHitLimit, triangles);
     for (const std::int32_t t : triangles) found.push_back({f, t});
-    tree.traverse(obstacle_.near(prism, clearance_), [&](std::int32_t other) {
+    tree.traverse(obstacle_.near(prism, self_clearance_), [&](std::int32_t other) {
       if (other <= f) return;
       const Corners theirs = corners(y, other);
       if (unchanged && theirs == corners(position_, other)) return;
-      if (!separated(face_[f], mine, face_[other], theirs, clearance_)) found.push_back({f, -1 - other});
+      if (!separated(face_[f], mine, face_[other], theirs, self_clearance_)) found.push_back({f, -1 - other});
     });
   }
 
   const Obstacle& obstacle_;
   double clearance_;
+  double self_clearance_;
   int threads_;
   std::vector<Point> position_;
   std::vector<Index3> face_;
+  std::vector<std::vector<std::int32_t>> incident_;  ///< faces of each vertex
   std::vector<Contact> contacts_;
   std::int64_t budget_ = kFaceTests;
 };
 
 }  // namespace
 
-TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, int threads,
-                    const std::function<void()>& check) {
-  Shrinker shrinker(obstacle, cage, clearance, threads);
+TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, double self_clearance,
+                    int threads, const std::function<void()>& check) {
+  Shrinker shrinker(obstacle, cage, clearance, self_clearance, threads);
   shrinker.run(check);
   TriangleMesh result = cage;
   for (std::int64_t v = 0; v < result.vertices.rows(); ++v) {

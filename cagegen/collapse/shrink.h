@@ -11,8 +11,9 @@ namespace encage::collapse {
 
 /// Moves all vertices at once to where the cage encloses least: gradient steps of the volume, projected
 /// onto linearised contacts with the obstacle and the cage itself. The result encloses no more than
-/// `cage` and keeps the clearance. `check` is called often and may throw to cancel.
-TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, int threads,
-                    const std::function<void()>& check);
+/// `cage`, keeps `clearance` to the obstacle and comes nowhere closer to itself than `self_clearance` or
+/// `cage` did. `check` is called often and may throw to cancel.
+TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, double self_clearance,
+                    int threads, const std::function<void()>& check);
 
 }  // namespace encage::collapse

@@ -36,10 +36,10 @@ struct Contacts {
   std::vector<bool> obstacle;
   std::vector<bool> self;
 
-  bool none() const {
-    return std::find(obstacle.begin(), obstacle.end(), true) == obstacle.end() &&
-           std::find(self.begin(), self.end(), true) == self.end();
+  std::int64_t count() const {
+    return std::count(obstacle.begin(), obstacle.end(), true) + std::count(self.begin(), self.end(), true);
   }
+  bool none() const { return count() == 0; }
 };
 
 // Starts may come closer to themselves than edits are allowed to: short edges bring triangles together.
@@ -143,15 +143,17 @@ void smooth(TriangleMesh& mesh, const std::vector<bool>& chosen) {
 
 std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const TriangleMesh& surface, double height,
                                          bool grow, double clearance) {
-  constexpr int rounds = 12;
+  const int rounds = grow ? 14 : 5;
   TriangleMesh base = surface;
   TriangleMesh cage = surface;
   const std::size_t vertex_count = static_cast<std::size_t>(base.vertices.rows());
   std::vector<Point> lifts = unit_lifts(base);
   std::vector<double> heights(vertex_count, height);
   std::vector<bool> moved(vertex_count, true);
+  std::vector<int> deep_rounds(vertex_count, 0);
   std::vector<bool> dirty(static_cast<std::size_t>(base.triangles.rows()), true);
   if (grow) raise_above(obstacle, base, height, dirty, heights);
+  std::int64_t first_count = 0;
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t v = 0; v < vertex_count; ++v) {
       if (!moved[v]) continue;
@@ -160,6 +162,9 @@ std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const Triangl
     }
     const Contacts contacts = find_contacts(obstacle, cage, clearance, &dirty);
     if (contacts.none()) return cage;
+    // Where self-contacts are of the surface's own making, smoothing spreads them: give up early.
+    if (round == 1) first_count = contacts.count();
+    if (round == 6 && contacts.count() > first_count / 2 + 10) return std::nullopt;
     std::vector<bool> self(vertex_count);
     std::vector<bool> deep(vertex_count);
     for (std::size_t t = 0; t < dirty.size(); ++t) {
@@ -169,9 +174,15 @@ std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const Triangl
         if (contacts.obstacle[t]) deep[v] = true;
       }
     }
-    // Folds come from the decimation and vanish by smoothing; strands that come too close need less height.
+    // Folds, and vertices that no direction lifts clear of the obstacle, vanish by smoothing; strands that
+    // come too close to each other need less height.
     const bool smooths = grow && round % 3 != 2;
-    if (smooths) smooth(base, self);
+    std::vector<bool> rough = self;
+    for (std::size_t v = 0; v < vertex_count; ++v) {
+      deep_rounds[v] = deep[v] ? deep_rounds[v] + 1 : 0;
+      if (deep_rounds[v] > 2) rough[v] = true;
+    }
+    if (smooths) smooth(base, rough);
     for (std::size_t v = 0; v < vertex_count; ++v) {
       if (self[v] && !smooths) {
         heights[v] *= 0.5;
@@ -223,7 +234,8 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces) {
   result.vertices = mesh.vertices;
   result.triangles.resize(static_cast<std::int64_t>(simplified.size() / 3), 3);
   for (std::size_t i = 0; i < simplified.size(); ++i) {
-    result.triangles(static_cast<std::int64_t>(i / 3), static_cast<int>(i % 3)) = static_cast<std::int32_t>(simplified[i]);
+    result.triangles(static_cast<std::int64_t>(i / 3), static_cast<int>(i % 3)) =
+        static_cast<std::int32_t>(simplified[i]);
   }
   return make_manifold(result);
 }
@@ -273,7 +285,8 @@ TriangleMesh outermost_components(const TriangleMesh& cage) {
     }
   }
   result.vertices.resize(static_cast<std::int64_t>(used.size()), 3);
-  for (std::size_t v = 0; v < used.size(); ++v) result.vertices.row(static_cast<std::int64_t>(v)) = cage.vertices.row(used[v]);
+  for (std::size_t v = 0; v < used.size(); ++v)
+    result.vertices.row(static_cast<std::int64_t>(v)) = cage.vertices.row(used[v]);
   result.triangles.resize(static_cast<std::int64_t>(rows.size()), 3);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (int k = 0; k < 3; ++k) result.triangles(static_cast<std::int64_t>(r), k) = number[cage.triangles(rows[r], k)];

@@ -26,8 +26,8 @@ TriangleMesh make_manifold(const TriangleMesh& mesh);
 TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces);
 
 /// CGAL's alpha wrap of a mesh without degenerate triangles; alpha and offset are lengths.
-std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha,
-                                       double offset, double clearance);
+std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
+                                       double clearance);
 
 /// Convex hull, scaled up until it is clear of the obstacle: the last resort, and always succeeds.
 TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance);

@@ -49,8 +49,8 @@ void round_vertices(TriangleMesh& mesh) {
 
 }  // namespace
 
-std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha,
-                                       double offset, double clearance) {
+std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
+                                       double clearance) {
   std::vector<Kernel::Point_3> points;
   std::vector<std::array<std::size_t, 3>> faces;
   for (std::int64_t v = 0; v < clean.vertices.rows(); ++v) {
@@ -93,7 +93,8 @@ TriangleMesh make_manifold(const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < dropped.size(); ++t) {
     if (dropped[t]) continue;
     const auto row = mesh.triangles.row(static_cast<std::int64_t>(t));
-    polygons.push_back({static_cast<std::size_t>(row(0)), static_cast<std::size_t>(row(1)), static_cast<std::size_t>(row(2))});
+    polygons.push_back(
+        {static_cast<std::size_t>(row(0)), static_cast<std::size_t>(row(1)), static_cast<std::size_t>(row(2))});
   }
   CGAL::Polygon_mesh_processing::orient_polygon_soup(points, polygons);
   TriangleMesh result;

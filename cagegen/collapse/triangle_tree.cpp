@@ -53,8 +53,8 @@ void TriangleTree::build(std::span<const Eigen::AlignedBox3d> boxes) {
   if (!primitives.empty()) build_node(primitives, boxes, kNone);
 }
 
-std::int32_t TriangleTree::build_node(std::span<std::int32_t> primitives,
-                                      std::span<const Eigen::AlignedBox3d> boxes, std::int32_t parent) {
+std::int32_t TriangleTree::build_node(std::span<std::int32_t> primitives, std::span<const Eigen::AlignedBox3d> boxes,
+                                      std::int32_t parent) {
   const std::int32_t index = static_cast<std::int32_t>(nodes_.size());
   nodes_.emplace_back();
   nodes_[index].parent = parent;
