@@ -102,8 +102,10 @@ TriangleMesh round_to_float(const TriangleMesh& mesh, double& error) {
   return rounded;
 }
 
-/// Runs `work` on a thread of its own while this one reports progress.
-void run_reporting(const std::function<void()>& work, const std::function<void()>& report) {
+/// Runs `work` on a thread of its own while this one reports progress. If `report` throws,
+/// `abandon` asks the work to end.
+void run_reporting(const std::function<void()>& work, const std::function<void()>& report,
+                   const std::function<void()>& abandon) {
   std::mutex mutex;
   std::condition_variable changed;
   bool done = false;
@@ -118,13 +120,17 @@ void run_reporting(const std::function<void()>& work, const std::function<void()
     done = true;
     changed.notify_one();
   });
-  {
+  try {
     std::unique_lock lock(mutex);
     while (!changed.wait_for(lock, std::chrono::milliseconds(80), [&] { return done; })) {
       lock.unlock();
       report();
       lock.lock();
     }
+  } catch (...) {
+    abandon();
+    worker.join();
+    throw;
   }
   worker.join();
   if (error) std::rethrow_exception(error);
@@ -215,8 +221,11 @@ class Baker {
           level.certificate.start = best.start;
         },
         [&] {
-          if (context_.progress) context_.progress(done_ + share_ * control_.fraction, stage_);
-        });
+          // Work that starts anew, from another start or without a constraint, shows no step back.
+          shown_ = std::max(shown_, std::min(1.0, done_ + share_ * control_.fraction));
+          if (context_.progress) context_.progress(shown_, stage_);
+        },
+        [&] { control_.abandoned = true; });
     for (const std::string& refusal : refusals_) {
       if (context_.log) context_.log("candidate refused by the certificate: " + refusal);
     }
@@ -232,6 +241,7 @@ class Baker {
   int threads_ = 1;
   std::string stage_;
   double done_ = 0;
+  double shown_ = 0;
   double share_ = 1;
   std::vector<std::string> refusals_;
 };

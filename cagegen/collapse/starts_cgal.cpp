@@ -4,7 +4,6 @@
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
-#include <CGAL/convex_hull_3.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "cagegen/collapse/cage_editor.h"
+#include "cagegen/collapse/convex_hull.h"
 #include "cagegen/collapse/starts.h"
 
 namespace encage::collapse {
@@ -119,44 +119,47 @@ TriangleMesh make_manifold(const TriangleMesh& mesh) {
   return result;
 }
 
-TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance) {
-  std::vector<Kernel::Point_3> points;
-  for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
-    points.emplace_back(mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2));
+namespace {
+
+std::vector<Point> rows(const Vertices& vertices) {
+  std::vector<Point> points;
+  for (std::int64_t v = 0; v < vertices.rows(); ++v) points.push_back(vertices.row(v).transpose());
+  return points;
+}
+
+/// The hull of boxes around points that are first scaled about a centre. Rounded before the hull is
+/// taken: the result is convex, exactly. No value if it is flat.
+std::optional<TriangleMesh> padded_hull(const std::vector<Point>& points, const Point& centre, double scale,
+                                        double padding) {
+  std::vector<Point> padded;
+  for (const Point& p : points) {
+    for (int i = 0; i < (padding > 0 ? 8 : 1); ++i) {
+      const Point shift(i & 1 ? padding : -padding, i & 2 ? padding : -padding, i & 4 ? padding : -padding);
+      padded.push_back(round_to_float(centre + scale * (p - centre) + shift));
+    }
   }
+  return convex_hull(padded);
+}
+
+}  // namespace
+
+TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance) {
   const Eigen::AlignedBox3d box = bounds(mesh);
   const double pad = box.diagonal().norm() / 100;
-  const auto attempt = [&](double padding, double scale) {
-    // Padding by boxes around the points gives flat and thin inputs a thickness.
-    std::vector<Kernel::Point_3> padded;
-    for (const auto& p : points) {
-      for (int i = 0; i < 8; ++i) {
-        padded.emplace_back(p.x() + (i & 1 ? padding : -padding), p.y() + (i & 2 ? padding : -padding),
-                            p.z() + (i & 4 ? padding : -padding));
-      }
-    }
-    SurfaceMesh hull;
-    CGAL::convex_hull_3(padded.begin(), padded.end(), hull);
-    TriangleMesh cage = from_cgal(hull);
-    for (std::int64_t v = 0; v < cage.vertices.rows(); ++v) {
-      const Point p = cage.vertex(static_cast<std::int32_t>(v));
-      cage.vertices.row(v) = (box.center() + scale * (p - box.center())).transpose();
-    }
-    round_vertices(cage);
-    return cage;
-  };
-  for (const double padding : {0.0, pad / 10, pad, 5 * pad}) {
-    if (padding == 0 && box.sizes().minCoeff() < pad) continue;
-    const TriangleMesh cage = attempt(padding, 1.001);
-    if (clear(obstacle, cage, clearance)) return cage;
+  std::vector<Point> points = rows(mesh.vertices);
+  if (const auto tight = convex_hull(points)) points = rows(tight->vertices);
+  // Inside the hull, unlike the middle of the box: all of the hull moves outward.
+  Point centre = Point::Zero();
+  for (const Point& p : points) centre += p / static_cast<double>(points.size());
+  // Padding gives flat and thin inputs a thickness.
+  for (const double padding : {0.0, pad / 10 + 2 * clearance, pad + 2 * clearance, 5 * pad + 2 * clearance}) {
+    const auto cage = padded_hull(points, centre, 1.001, padding);
+    if (cage && clear(obstacle, *cage, clearance)) return *cage;
   }
   // Always clear: a padded box.
-  points.clear();
-  for (int i = 0; i < 8; ++i) {
-    points.emplace_back((i & 1 ? box.max() : box.min()).x(), (i & 2 ? box.max() : box.min()).y(),
-                        (i & 4 ? box.max() : box.min()).z());
-  }
-  return attempt(pad, 1.01);
+  std::vector<Point> corners;
+  for (int i = 0; i < 8; ++i) corners.push_back(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
+  return *padded_hull(corners, box.center(), 1.01, pad + 2 * clearance);
 }
 
 }  // namespace encage::collapse

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/asset.h>
+#include <encage/bake.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/cagegen/certify/shapes.h"
+
+namespace encage {
+namespace {
+
+using shapes::box;
+using shapes::cube;
+using shapes::joined;
+using shapes::moved;
+using shapes::scaled;
+using shapes::sphere;
+using shapes::torus;
+
+BakeOptions with_faces(std::vector<std::int64_t> faces, int threads = 2) {
+  BakeOptions options;
+  options.faces = std::move(faces);
+  options.threads = threads;
+  return options;
+}
+
+/// Proves the whole hierarchy again, from the source.
+void expect_certified(const CageHierarchy& hierarchy, const SourceMesh& source) {
+  ASSERT_FALSE(hierarchy.levels.empty());
+  const TriangleMesh* inner = &source.obstacle;
+  Solid solid = source.solid;
+  double clearance = 1;
+  ASSERT_GT(hierarchy.diagonal, 0);
+  for (const CageLevel& level : hierarchy.levels) {
+    EXPECT_EQ(level.mesh.vertices, level.mesh.vertices.cast<float>().cast<double>());
+    const CertifyResult proof = certify(*inner, solid, level.mesh);
+    ASSERT_TRUE(proof.holds) << proof.reason;
+    EXPECT_EQ(proof.certificate.clearance, level.certificate.clearance);
+    EXPECT_EQ(proof.certificate.genus, level.certificate.genus);
+    EXPECT_EQ(proof.certificate.components, level.certificate.components);
+    EXPECT_EQ(level.certificate.volume_ratio.has_value(), source.volume > 0);
+    EXPECT_GT(level.certificate.volume_ratio.value_or(2), 1);
+    clearance = std::min(clearance, level.certificate.clearance / hierarchy.diagonal);
+    inner = &level.mesh;
+    solid = Solid::closed;
+  }
+  EXPECT_GT(clearance, 0.99e-5);
+}
+
+/// Bakes with one thread and with two, expects the same certified cages.
+CageHierarchy bake_certified(const TriangleMesh& input, const std::vector<std::int64_t>& faces) {
+  const SourceMesh source = sanitize(input);
+  const CageHierarchy one = bake(source, with_faces(faces, 1), {});
+  const CageHierarchy two = bake(source, with_faces(faces, 2), {});
+  expect_certified(one, source);
+  EXPECT_EQ(one.levels.size(), two.levels.size());
+  for (std::size_t i = 0; i < std::min(one.levels.size(), two.levels.size()); ++i) {
+    EXPECT_EQ(one.levels[i].mesh.vertices, two.levels[i].mesh.vertices);
+    EXPECT_EQ(one.levels[i].mesh.triangles, two.levels[i].mesh.triangles);
+    EXPECT_EQ(one.levels[i].certificate.start, two.levels[i].certificate.start);
+    EXPECT_LT(one.levels[i].certificate.clearance / one.diagonal, 1);
+  }
+  return one;
+}
+
+/// A box with every face cut into n x n squares.
+TriangleMesh gridded_box(int n, const Eigen::Vector3d& size) {
+  std::vector<std::array<double, 3>> vertices;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::map<std::array<int, 3>, std::int32_t> number;
+  const auto id = [&](const std::array<int, 3>& p) {
+    const auto [it, added] = number.try_emplace(p, static_cast<std::int32_t>(vertices.size()));
+    if (added) vertices.push_back({size[0] * p[0] / n, size[1] * p[1] / n, size[2] * p[2] / n});
+    return it->second;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {0, n}) {
+      for (int i = 0; i < n * n; ++i) {
+        const auto at = [&](int du, int dv) {
+          std::array<int, 3> p{};
+          p[axis] = side;
+          p[(axis + 1) % 3] = i % n + du;
+          p[(axis + 2) % 3] = i / n + dv;
+          return id(p);
+        };
+        const std::int32_t a = at(0, 0), b = at(1, 0), c = at(1, 1), d = at(0, 1);
+        if (side == n) {
+          triangles.insert(triangles.end(), {{a, b, c}, {a, c, d}});
+        } else {
+          triangles.insert(triangles.end(), {{a, c, b}, {a, d, c}});
+        }
+      }
+    }
+  }
+  return shapes::mesh(vertices, triangles);
+}
+
+/// A wavy sheet of 2 n n triangles over the unit square, tilted out of the axes.
+TriangleMesh sheet(int n, double wave) {
+  std::vector<std::array<double, 3>> vertices;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      const double x = static_cast<double>(i) / n, y = static_cast<double>(j) / n;
+      const double z = wave * std::sin(7 * x) * std::cos(5 * y);
+      vertices.push_back({x - z / 2, y - z / 3, x / 2 + y / 3 + z});
+      const std::int32_t a = j * (n + 1) + i;
+      if (i == n || j == n) continue;
+      triangles.insert(triangles.end(), {{a, a + 1, a + n + 2}, {a, a + n + 2, a + n + 1}});
+    }
+  }
+  return shapes::mesh(vertices, triangles);
+}
+
+/// A U of three bars, extruded: closed, concave.
+TriangleMesh u_shape() {
+  const std::vector<std::array<double, 2>> outline = {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
+  const std::vector<std::array<std::int32_t, 3>> caps = {{0, 5, 7}, {5, 6, 7}, {0, 1, 5},
+                                                         {1, 4, 5}, {1, 2, 4}, {2, 3, 4}};
+  std::vector<std::array<double, 3>> vertices;
+  for (const double z : {0.0, 1.0}) {
+    for (const auto& p : outline) vertices.push_back({p[0], p[1], z});
+  }
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (const auto& t : caps) {
+    triangles.push_back({t[0], t[2], t[1]});
+    triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  }
+  for (std::int32_t i = 0; i < 8; ++i) {
+    const std::int32_t j = (i + 1) % 8;
+    triangles.insert(triangles.end(), {{i, j, j + 8}, {i, j + 8, i + 8}});
+  }
+  return shapes::mesh(vertices, triangles);
+}
+
+TEST(Bake, SubdividedBox) {
+  const CageHierarchy cages = bake_certified(gridded_box(8, {1, 2, 3}), {100, 12});
+  ASSERT_EQ(cages.levels.size(), 2u);
+  EXPECT_LT(*cages.levels[0].certificate.volume_ratio, 1.02);
+  EXPECT_LT(*cages.levels[1].certificate.volume_ratio, 1.2);
+  EXPECT_LE(cages.levels[1].mesh.triangles.rows(), 12);
+}
+
+TEST(Bake, UShapeKeepsItsGap) {
+  const CageHierarchy cages = bake_certified(u_shape(), {24, 12});
+  EXPECT_LT(*cages.levels[0].certificate.volume_ratio, 1.25) << "the hull has 9 / 7";
+}
+
+TEST(Bake, NestedSpheres) {
+  const CageHierarchy cages = bake_certified(sphere(4), {500, 120, 30});
+  ASSERT_EQ(cages.levels.size(), 3u);
+  EXPECT_LT(*cages.levels[0].certificate.volume_ratio, 1.05);
+  EXPECT_LT(*cages.levels[1].certificate.volume_ratio, 1.25);
+  for (std::size_t i = 1; i < 3; ++i) {
+    EXPECT_GT(cages.levels[i].certificate.volume, cages.levels[i - 1].certificate.volume);
+  }
+}
+
+TEST(Bake, TwoComponentsFarApart) {
+  bake_certified(joined(sphere(3), moved(scaled(sphere(2), 0.01), {40, 3, 2})), {200, 50});
+}
+
+TEST(Bake, OpenBoxIsCapped) {
+  TriangleMesh open = gridded_box(5, {1, 1, 1});
+  open.triangles.conservativeResize(open.triangles.rows() - 50, 3);
+  const CageHierarchy cages = bake_certified(open, {100, 20});
+  EXPECT_EQ(cages.solid, Solid::capped);
+  EXPECT_GT(cages.cap_count, 0);
+}
+
+TEST(Bake, Sheets) {
+  for (const double wave : {0.0, 0.1}) bake_certified(sheet(10, wave), {60, 20});
+}
+
+TEST(Bake, CrossingSheets) {
+  TriangleMesh across = sheet(8, 0.05);
+  across.vertices.col(2).array() = 0.8 - across.vertices.col(2).array();
+  bake_certified(joined(sheet(8, 0), across), {100, 24});
+}
+
+TEST(Bake, SoupOfCrossingTriangles) {
+  shapes::Random random(7);
+  TriangleMesh soup = shapes::mesh({}, {});
+  for (int i = 0; i < 60; ++i) soup = shapes::with_triangle(soup, random.point(1), random.point(1), random.point(1));
+  bake_certified(soup, {50, 16});
+}
+
+TEST(Bake, SingleTriangles) {
+  const std::vector<std::array<Eigen::Vector3d, 3>> triangles = {
+      {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)},
+      {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)},         // tilted
+      {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(1, 2, 3.000001)},  // sliver
+      {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(2, 4, 6)},         // collinear
+      {Eigen::Vector3d(5, 5, 5), Eigen::Vector3d(5, 5, 6), Eigen::Vector3d(5, 5, 6)},         // a segment
+      {Eigen::Vector3d(0.1, 0.2, 0.3), Eigen::Vector3d(7.7, 3.3, 1.9), Eigen::Vector3d(2, 9, 4)}};
+  for (const auto& t : triangles) {
+    SCOPED_TRACE(t[2].transpose());
+    const CageHierarchy cages = bake_certified(shapes::with_triangle(shapes::mesh({}, {}), t[0], t[1], t[2]), {100});
+    EXPECT_EQ(cages.levels.size(), 1u);
+    EXPECT_EQ(cages.levels[0].certificate.method, Method::hull);
+  }
+}
+
+TEST(Bake, Needles) {
+  // Collinear points only, along an axis and askew.
+  for (const Eigen::Vector3d& along : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(1, 2, 4)}) {
+    TriangleMesh needle = shapes::mesh({}, {});
+    for (int i = 0; i < 30; ++i) needle = shapes::with_triangle(needle, i * along, (i + 1) * along, (i + 2) * along);
+    bake_certified(needle, {12});
+    bake_certified(needle, {100});
+  }
+  // Closed, but a million times longer than thick.
+  bake_certified(gridded_box(5, {1, 1e-6, 1e-6}), {60, 12});
+  bake_certified(gridded_box(5, {1, 1, 1e-7}), {60, 12});
+}
+
+TEST(Bake, FarFromTheOrigin) {
+  const TriangleMesh far = moved(scaled(sphere(3), 0.6), {1e3, -1e3, 1e3});
+  const CageHierarchy cages = bake_certified(far, {100, 20});
+  EXPECT_LT(*cages.levels[0].certificate.volume_ratio, 1.3);
+  // Just near enough to keep the origin where it is.
+  const double diagonal = 2 * std::sqrt(3.0);
+  const CageHierarchy kept = bake_certified(moved(sphere(3), {3.9 * diagonal, 0, -3.9 * diagonal}), {100, 20});
+  EXPECT_EQ(kept.origin, Eigen::Vector3d::Zero().eval());
+  EXPECT_LT(*kept.levels[0].certificate.volume_ratio, 1.3);
+}
+
+TEST(Bake, ExtremeScales) {
+  for (const double scale : {1e-28, 1e-20, 1e20, 1e36}) {
+    SCOPED_TRACE(scale);
+    const CageHierarchy cages = bake_certified(scaled(sphere(3), scale), {100, 20});
+    EXPECT_LT(*cages.levels[0].certificate.volume_ratio, 1.3);
+    bake_certified(scaled(sheet(6, 0.1), scale), {40});
+    bake_certified(scaled(sheet(1, 0), scale), {40});
+  }
+}
+
+TEST(Bake, ClearanceIsKept) {
+  for (const double clearance : {1e-7, 1e-3, 0.02, 0.09}) {
+    SCOPED_TRACE(clearance);
+    for (const TriangleMesh& mesh : {sphere(3), u_shape(), sheet(6, 0.1), sheet(1, 0)}) {
+      BakeOptions options = with_faces({60, 16});
+      options.min_clearance = clearance;
+      const CageHierarchy cages = bake(mesh, options);
+      for (const CageLevel& level : cages.levels) {
+        EXPECT_GE(level.certificate.clearance, 0.99 * clearance * cages.diagonal) << level.certificate.start;
+      }
+    }
+  }
+}
+
+TEST(Bake, Topology) {
+  const TriangleMesh ring = torus(1, 0.3, 40, 16);
+  BakeOptions options = with_faces({200, 60});
+  options.topology = Topology::keep;
+  for (const CageLevel& level : bake(ring, options).levels) EXPECT_EQ(level.certificate.genus, 1);
+  // A hole too narrow to be worth a handle.
+  options.topology = Topology::simplify;
+  const CageHierarchy simple = bake(torus(1, 0.98, 60, 30), options);
+  EXPECT_EQ(simple.levels.back().certificate.genus, 0);
+  for (const CageLevel& level : simple.levels) EXPECT_NE(level.certificate.no_new_handles, false);
+}
+
+TEST(Bake, SameFileForAnyNumberOfThreads) {
+  const SourceMesh source = sanitize(torus(1, 0.4, 40, 20));
+  const auto file = [&](int threads) {
+    const auto path = std::filesystem::temp_directory_path() /
+                      ("encage_bake_test_" + std::to_string(threads) + "_" +
+                       std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + ".glb");
+    write_asset(path, bake(source, with_faces({300, 80}, threads), {}));
+    std::ifstream stream(path, std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    std::filesystem::remove(path);
+    return bytes;
+  };
+  const std::string one = file(1);
+  EXPECT_FALSE(one.empty());
+  EXPECT_EQ(one, file(2));
+  EXPECT_EQ(one, file(3));
+}
+
+TEST(Bake, ProgressNeverGoesBack) {
+  for (const TriangleMesh& mesh : {sphere(5), sheet(30, 0.1)}) {
+    std::vector<double> seen;
+    const std::thread::id caller = std::this_thread::get_id();
+    BakeContext context;
+    context.progress = [&](double fraction, std::string_view stage) {
+      seen.push_back(fraction);
+      EXPECT_FALSE(stage.empty());
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+    };
+    bake(sanitize(mesh), with_faces({800, 100, 20}, 1), context);
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+    for (const double fraction : seen) EXPECT_TRUE(fraction >= 0 && fraction <= 1) << fraction;
+  }
+}
+
+TEST(Bake, Cancel) {
+  std::atomic<bool> cancel = true;
+  BakeContext context;
+  context.cancel = &cancel;
+  EXPECT_THROW(bake(sphere(3), with_faces({100}), context), Cancelled);
+  // From the callback, in the middle of the work.
+  cancel = false;
+  context.progress = [&](double, std::string_view) { cancel = true; };
+  EXPECT_THROW(bake(sphere(6), with_faces({4000, 1000, 100}, 1), context), Cancelled);
+}
+
+TEST(Bake, ExceptionsOfTheProgressFunctionPassThrough) {
+  BakeContext context;
+  context.progress = [](double, std::string_view) { throw std::runtime_error("enough"); };
+  EXPECT_THROW(bake(sphere(6), with_faces({4000, 1000, 100}, 1), context), std::runtime_error);
+}
+
+TEST(Bake, TimeLimit) {
+  BakeOptions options = with_faces({400, 100, 20});
+  options.time_limit = 1e-9;
+  const SourceMesh source = sanitize(sphere(4));
+  const CageHierarchy cut = bake(source, options, {});
+  EXPECT_TRUE(cut.truncated);
+  EXPECT_EQ(cut.levels.size(), 1u);
+  expect_certified(cut, source);
+  options.time_limit = 1e6;
+  const CageHierarchy whole = bake(source, options, {});
+  EXPECT_FALSE(whole.truncated);
+  EXPECT_EQ(whole.levels.size(), 3u);
+}
+
+TEST(Bake, SkippedLevelsAreLogged) {
+  std::vector<std::string> messages;
+  BakeContext context;
+  context.log = [&](std::string_view message) { messages.emplace_back(message); };
+  BakeReport report;
+  const CageHierarchy cages = bake(sphere(2), with_faces({500, 128, 60, 60, 80, 20}), context, &report);
+  EXPECT_EQ(cages.levels.size(), 2u);
+  EXPECT_EQ(report.levels.size(), 2u);
+  const auto skipped = [&](const std::string& faces) {
+    return std::count_if(messages.begin(), messages.end(), [&](const std::string& message) {
+      return message.starts_with("level of " + faces + " faces skipped");
+    });
+  };
+  EXPECT_EQ(skipped("500"), 1);
+  EXPECT_EQ(skipped("128"), 1);
+  EXPECT_EQ(skipped("60"), 1);
+  EXPECT_EQ(skipped("80"), 1);
+  EXPECT_EQ(skipped("20"), 0);
+}
+
+TEST(Bake, TooSmallForEveryLevelGetsItsHull) {
+  const SourceMesh source = sanitize(u_shape());
+  const CageHierarchy cages = bake(source, with_faces({1000, 500}), {});
+  ASSERT_EQ(cages.levels.size(), 1u);
+  expect_certified(cages, source);
+  EXPECT_EQ(cages.levels[0].certificate.method, Method::hull);
+}
+
+TEST(Bake, DefaultLevels) {
+  const SourceMesh source = sanitize(sphere(4));  // 2048 triangles
+  BakeOptions options;
+  const CageHierarchy cages = bake(source, options, {});
+  expect_certified(cages, source);
+  options.level_count = 2;
+  options.ratio = 0.2;
+  const CageHierarchy asked = bake(source, options, {});
+  ASSERT_EQ(asked.levels.size(), 2u);
+  EXPECT_LE(asked.levels[0].mesh.triangles.rows(), 409);
+  EXPECT_LE(asked.levels[1].mesh.triangles.rows(), 81);
+}
+
+TEST(Bake, RefusesBadOptions) {
+  const auto message = [](const BakeOptions& options) -> std::string {
+    try {
+      bake(cube(1), options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const auto with = [&](auto change) {
+    BakeOptions options;
+    change(options);
+    return message(options);
+  };
+  EXPECT_NE(with([](BakeOptions& o) { o.faces = {100, 3}; }).find("a level of 3 faces"), std::string::npos);
+  EXPECT_NE(with([](BakeOptions& o) { o.faces = {8}, o.ratio = 0.5; }).find("exclude each other"), std::string::npos);
+  EXPECT_NE(with([](BakeOptions& o) { o.faces = {8}, o.level_count = 2; }).find("exclude"), std::string::npos);
+  for (const double ratio : {-1.0, 0.0, 1.0, 2.0, std::nan("")}) {
+    EXPECT_NE(with([&](BakeOptions& o) { o.ratio = ratio; }).find("ratio"), std::string::npos);
+  }
+  EXPECT_NE(with([](BakeOptions& o) { o.level_count = 0; }).find("0 levels"), std::string::npos);
+  for (const double clearance : {-1.0, 0.0, 0.1, std::nan("")}) {
+    EXPECT_NE(with([&](BakeOptions& o) { o.min_clearance = clearance; }).find("clearance"), std::string::npos);
+  }
+  EXPECT_NE(with([](BakeOptions& o) { o.threads = -1; }).find("-1 threads"), std::string::npos);
+  for (const double limit : {-1.0, 0.0, std::nan("")}) {
+    EXPECT_NE(with([&](BakeOptions& o) { o.time_limit = limit; }).find("time limit"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace encage
