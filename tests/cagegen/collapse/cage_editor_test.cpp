@@ -19,7 +19,7 @@ constexpr double kClearance = 1e-4;
 
 EditorOptions options(double quadric_weight) {
   EditorOptions result;
-  result.clearance = kClearance;
+  result.clearance = result.self_clearance = kClearance;
   result.quadric_weight = quadric_weight;
   return result;
 }

@@ -24,7 +24,7 @@ struct Outcome {
 
 CageEditor editor_around(const Obstacle& obstacle, const TriangleMesh& solid, double quadric_weight = 10) {
   EditorOptions options;
-  options.clearance = kClearance;
+  options.clearance = options.self_clearance = kClearance;
   options.quadric_weight = quadric_weight;
   const auto start = offset_start(obstacle, solid, 1e-3, false, kClearance);
   EXPECT_TRUE(start);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "cagegen/certify/exact.h"
 #include "cagegen/certify/separation.h"
@@ -220,6 +221,28 @@ TEST(TrianglesSeparated, ByIndices) {
       t[j] = (s[0] + s[1] + s[2]) / 3;
       EXPECT_FALSE(separated({0, 1, 2}, s, index, t, 0.5)) << i << j;
     }
+  }
+}
+
+TEST(CommonDirection, OfNormals) {
+  const Point x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  EXPECT_TRUE(common_direction(std::vector<Point>{x}));
+  EXPECT_TRUE(common_direction(std::vector<Point>{x, y, z}));
+  EXPECT_FALSE(common_direction(std::vector<Point>{x, -x})) << "a folded sheet";
+  EXPECT_FALSE(common_direction(std::vector<Point>{x, y, z, -x}));
+  // Normals in a half-space, most of them on one side of it.
+  Random random(36);
+  for (int i = 0; i < 500; ++i) {
+    const Point axis = random.point(1).normalized();
+    std::vector<Point> normals;
+    for (int k = 0; k < 12; ++k) {
+      Point n = random.point(1).normalized();
+      if (n.dot(axis) < 0) n = -n;
+      normals.push_back((n + 0.5 * axis).normalized());
+    }
+    EXPECT_TRUE(common_direction(normals));
+    normals.push_back(-normals[0]);
+    EXPECT_FALSE(common_direction(normals));
   }
 }
 

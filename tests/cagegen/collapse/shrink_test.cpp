@@ -18,7 +18,7 @@ constexpr double kClearance = 1e-4;
 void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double most) {
   const Obstacle obstacle(solid);
   ASSERT_TRUE(clear(obstacle, cage, kClearance));
-  const TriangleMesh first = shrink(obstacle, cage, kClearance, 1, [] {});
+  const TriangleMesh first = shrink(obstacle, cage, kClearance, kClearance, 1, [] {});
   const CertifyResult proof = certify(solid, Solid::closed, first);
   ASSERT_TRUE(proof.holds) << proof.reason;
   EXPECT_GE(proof.certificate.clearance, 0.999 * kClearance);
@@ -27,7 +27,7 @@ void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double 
   EXPECT_EQ(first.triangles, cage.triangles);
   EXPECT_EQ(first.vertices, shapes::rounded(first).vertices);
   for (const int threads : {2, 3})
-    EXPECT_EQ(shrink(obstacle, cage, kClearance, threads, [] {}).vertices, first.vertices);
+    EXPECT_EQ(shrink(obstacle, cage, kClearance, kClearance, threads, [] {}).vertices, first.vertices);
 }
 
 TriangleMesh inflated(const TriangleMesh& solid, double height) {
@@ -47,7 +47,7 @@ TEST(Shrink, CoarseCages) {
   const TriangleMesh torus = shapes::torus(1, 0.35, 40, 20);
   const Obstacle obstacle(torus);
   EditorOptions options;
-  options.clearance = kClearance;
+  options.clearance = options.self_clearance = kClearance;
   CageEditor editor(obstacle, inflated(torus, 0.01), options);
   CollapseLimits limits;
   limits.faces = 320;
@@ -67,7 +67,7 @@ TEST(Shrink, CheckMayStopIt) {
   const TriangleMesh sphere = shapes::sphere(2);
   const TriangleMesh cage = inflated(sphere, 0.05);
   const auto stop = [] { throw std::runtime_error("stop"); };
-  EXPECT_THROW(shrink(Obstacle(sphere), cage, kClearance, 2, stop), std::runtime_error);
+  EXPECT_THROW(shrink(Obstacle(sphere), cage, kClearance, kClearance, 2, stop), std::runtime_error);
 }
 
 }  // namespace
