@@ -68,7 +68,7 @@ class Shrinker {
       const double before = volume;
       std::vector<Point> next = advance(step, check);
       const double after = enclosed(next);
-      if (after < before) {
+      if (after < before && encloses_all(next)) {
         position_ = std::move(next);
         volume = after;
       }
@@ -164,6 +164,32 @@ class Shrinker {
       if (hits.empty()) hits = lost_cones(y);
     }
     return y;
+  }
+
+  /// False if a component of the obstacle has been passed as a whole, without a touch at the end of the
+  /// step: a small one, or a surface parallel to the cage. A shorter step will meet it.
+  bool encloses_all(const std::vector<Point>& y) {
+    std::vector<Point> passed;
+    for (std::size_t f = 0; f < face_.size(); ++f) {
+      const auto face = static_cast<std::int32_t>(f);
+      const Corners mine = corners(y, face);
+      const Corners old = corners(position_, face);
+      if (mine == old) continue;
+      Eigen::AlignedBox3d box;
+      for (int k = 0; k < 3; ++k) box.extend(mine[k]).extend(old[k]);
+      obstacle_.representatives(box, passed);
+    }
+    const auto before = [](const Point& a, const Point& b) {
+      return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+    };
+    std::sort(passed.begin(), passed.end(), before);
+    passed.erase(std::unique(passed.begin(), passed.end()), passed.end());
+    budget_ -= static_cast<std::int64_t>(face_.size() * passed.size() / 50);
+    return std::all_of(passed.begin(), passed.end(), [&](const Point& x) {
+      double angle = 0;
+      for (std::size_t f = 0; f < face_.size(); ++f) angle += solid_angle(x, corners(y, static_cast<std::int32_t>(f)));
+      return angle > 6;  // 4 pi, or 0 outside
+    });
   }
 
   /// The faces around every vertex that would lose its cone of outward directions: the next coarser

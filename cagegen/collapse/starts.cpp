@@ -229,7 +229,8 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces) {
   std::vector<unsigned int> simplified(triangles.size());
   simplified.resize(meshopt_simplify(simplified.data(), triangles.data(), triangles.size(), positions.data(),
                                      static_cast<std::size_t>(mesh.vertices.rows()), 3 * sizeof(float),
-                                     static_cast<std::size_t>(faces) * 3, 1.0f, 0, nullptr));
+                                     std::min(static_cast<std::size_t>(faces) * 3, triangles.size()), 1.0f, 0,
+                                     nullptr));
   TriangleMesh result;
   result.vertices = mesh.vertices;
   result.triangles.resize(static_cast<std::int64_t>(simplified.size() / 3), 3);
