@@ -95,6 +95,7 @@ bool collapse_edges(CageEditor& cage, const CollapseLimits& limits) {
   const std::int64_t first_count = cage.face_count();
   const std::uint64_t first_work = Obstacle::work();
   double added = 0;
+  std::uint64_t plans = 0;
   Queue queue(cage);
   for (;;) {
     queue.fill();
@@ -102,6 +103,10 @@ bool collapse_edges(CageEditor& cage, const CollapseLimits& limits) {
     Candidate c;
     while (cage.face_count() > limits.faces && queue.pop(c)) {
       if (limits.work > 0 && Obstacle::work() - first_work > limits.work) return false;
+      if (limits.progress && ++plans % 64 == 0) {
+        limits.progress(static_cast<double>(first_count - cage.face_count()) /
+                        static_cast<double>(std::max<std::int64_t>(1, first_count - limits.faces)));
+      }
       const auto plan = cage.plan_collapse(c.u, c.v);
       if (!plan) {
         queue.postpone(c);
@@ -117,10 +122,6 @@ bool collapse_edges(CageEditor& cage, const CollapseLimits& limits) {
       added += plan->cost;
       if (limits.added_volume > 0 && added > limits.added_volume) return false;
       queue.refresh(c.u);
-      if (limits.progress && cage.face_count() % 64 < 2) {
-        limits.progress(static_cast<double>(first_count - cage.face_count()) /
-                        static_cast<double>(std::max<std::int64_t>(1, first_count - limits.faces)));
-      }
     }
     if (cage.face_count() <= limits.faces) return true;
     if (!any) return false;

@@ -112,7 +112,8 @@ EditorOptions editor_options(const LevelRequest& request) {
 std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelRequest& request, Control& control,
                              const std::function<void(double)>& progress) {
   auto cage = make_start(start, obstacle, request);
-  if (!cage || outermost_components(*cage).triangles.rows() != cage->triangles.rows()) return std::nullopt;
+  if (!cage) return std::nullopt;
+  *cage = outermost_components(*cage);
   const double volume = signed_volume(*cage);
   CageEditor editor(obstacle, *cage, editor_options(request));
   CollapseLimits limits;

@@ -21,12 +21,11 @@ struct Control {
   const std::atomic<bool>* cancel = nullptr;
   std::optional<std::chrono::steady_clock::time_point> deadline;
   std::atomic<bool> out_of_time{false};
-  std::atomic<double> fraction{0};  ///< of the level
+  std::atomic<double> fraction{0};     ///< of the level
   std::atomic<bool> abandoned{false};  ///< the caller's own functions threw
 
   bool cancelled() const {
-    return abandoned.load(std::memory_order_relaxed) ||
-           (cancel != nullptr && cancel->load(std::memory_order_relaxed));
+    return abandoned.load(std::memory_order_relaxed) || (cancel != nullptr && cancel->load(std::memory_order_relaxed));
   }
   bool expired() {
     if (deadline && std::chrono::steady_clock::now() > *deadline) out_of_time = true;

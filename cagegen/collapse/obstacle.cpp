@@ -16,7 +16,7 @@ constexpr double kFilterSlack = 1.5e-6;
 // Distance from the edge at which a triangle is lifted in full, in lifts.
 constexpr double kFullLift = 20;
 
-/// A convex polygon of at most eight corners, cut by half-spaces.
+/// A triangle cut by four half-spaces: each adds one corner at most, but for rounding.
 class Polygon {
  public:
   explicit Polygon(const Corners& c) : count_(3) { std::copy(c.begin(), c.end(), corner_[0].begin()); }
@@ -29,7 +29,7 @@ class Polygon {
     const auto& from = corner_[side_];
     auto& to = corner_[1 - side_];
     int kept = 0;
-    for (int i = 0; i < count_; ++i) {
+    for (int i = 0; i < count_ && kept + 2 <= kCapacity; ++i) {
       const Point& p = from[i];
       const Point& q = from[i + 1 < count_ ? i + 1 : 0];
       const double fp = value(p);
@@ -42,7 +42,8 @@ class Polygon {
   }
 
  private:
-  std::array<Point, 10> corner_[2];
+  static constexpr int kCapacity = 12;
+  std::array<Point, kCapacity> corner_[2];
   int side_ = 0;
   int count_;
 };

@@ -155,7 +155,8 @@ struct BakeContext {
   /// fraction in [0,1] of the whole job, and what is being done now.
   std::function<void(double fraction, std::string_view stage)> progress;
   std::function<void(std::string_view message)> log;
-  /// Set from any thread or a signal handler; noticed within about a second.
+  /// Set from any thread or a signal handler; noticed within about a
+  /// second, or when a running alpha wrap (seconds, on large inputs) ends.
   std::atomic<bool>* cancel = nullptr;
 };
 
