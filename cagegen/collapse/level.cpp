@@ -46,7 +46,9 @@ std::vector<Phase> portfolio(const LevelRequest& request) {
     if (!phase.empty()) phases.push_back(std::move(phase));
   };
   const double finest = request.faces >= 4000 ? 100 : 50;
-  const double fallback = request.topology == Topology::keep ? 0 : request.faces >= 1500 ? 100 : 50;
+  // Alpha wraps with several times the target's faces; their number goes with the square of the parameter.
+  const double fine_wrap = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 32;
+  const double fallback = request.topology == Topology::keep ? 0 : fine_wrap;
   if (request.faces >= 1500) {
     add({{Kind::decimate, 2, fallback}}, decimates ? Phase{} : Phase{{Kind::wrap, finest}});
     add({}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
