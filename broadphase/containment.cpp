@@ -121,14 +121,19 @@ bool all_outside(const Surface& host, const Surface& guest, const PairFrame& fra
 bool could_hold(const Shape& host, const Shape& guest, const PairFrame& frame, double slack) noexcept {
   const BvhNode& root = host.outer().nodes[0];
   const double reach = slack + (1 + 1e-8) * (host.outer_error() + guest.fine_error);
-  for (const Eigen::Vector3f& x : guest.extremes) {
+  const auto outside = [&](const Eigen::Vector3f& x) {
     const Vector p = frame.map(x);
     for (int axis = 0; axis < 3; ++axis) {
-      if (p[axis] < static_cast<double>(root.lower[axis]) - reach) return false;
-      if (p[axis] > static_cast<double>(root.upper[axis]) + reach) return false;
+      if (p[axis] < static_cast<double>(root.lower[axis]) - reach) return true;
+      if (p[axis] > static_cast<double>(root.upper[axis]) + reach) return true;
     }
-  }
-  return true;
+    return false;
+  };
+  // A connected part with a vertex outside the box is not inside the host unless it touches its surface.
+  const bool excluded = !guest.extremes.empty() &&
+                        std::all_of(guest.extremes.begin(), guest.extremes.end(),
+                                    [&](const auto& part) { return std::any_of(part.begin(), part.end(), outside); });
+  return !excluded;
 }
 
 }  // namespace encage

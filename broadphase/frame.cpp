@@ -114,7 +114,10 @@ Eigen::AlignedBox3d ball_box(const Shape& shape, const Eigen::Isometry3d& pose) 
 }
 
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept {
-  if (!motion.start.matrix().allFinite() || !motion.end.matrix().allFinite()) return {};
+  if (!is_usable(motion.start) || !is_usable(motion.end)) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    return {Eigen::Vector3d::Constant(-infinity), Eigen::Vector3d::Constant(infinity)};
+  }
   const Eigen::AlignedBox3d start = pose_box(shape, motion.start);
   return motion.at_rest() ? start : start.merged(pose_box(shape, motion.end));
 }

@@ -65,15 +65,20 @@ Surface make_surface(const TriangleMesh& mesh) {
   return surface;
 }
 
-std::vector<Eigen::Vector3f> extreme_vertices(const Surface& surface) {
-  std::vector<Eigen::Vector3f> extremes;
-  if (surface.empty()) return extremes;
-  extremes.assign(6, surface.triangles[0][0]);
-  for (const TriangleF& triangle : surface.triangles) {
-    for (const Eigen::Vector3f& v : triangle) {
+std::vector<std::array<Eigen::Vector3f, 6>> extreme_vertices(const TriangleMesh& mesh) {
+  std::vector<std::int32_t> label;
+  const int components = triangle_components(mesh, label);
+  std::vector<std::array<Eigen::Vector3f, 6>> extremes(static_cast<std::size_t>(components));
+  std::vector<bool> seen(extremes.size(), false);
+  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
+    auto& mine = extremes[label[t]];
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3f v = mesh.corner(t, k).cast<float>();
+      if (!seen[label[t]]) mine.fill(v);
+      seen[label[t]] = true;
       for (int axis = 0; axis < 3; ++axis) {
-        if (v[axis] < extremes[2 * axis][axis]) extremes[2 * axis] = v;
-        if (v[axis] > extremes[2 * axis + 1][axis]) extremes[2 * axis + 1] = v;
+        if (v[axis] < mine[2 * axis][axis]) mine[2 * axis] = v;
+        if (v[axis] > mine[2 * axis + 1][axis]) mine[2 * axis + 1] = v;
       }
     }
   }
@@ -97,7 +102,7 @@ ShapePtr make_shape(const CageHierarchy& hierarchy) {
   shape->fine_error = hierarchy.fine_error;
   check(hierarchy.fine, "fine mesh");
   shape->fine = make_surface(hierarchy.fine);
-  shape->extremes = extreme_vertices(shape->fine);
+  shape->extremes = extreme_vertices(hierarchy.fine);
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     const TriangleMesh& cage = hierarchy.levels[k].mesh;
     const std::string what = "cage " + std::to_string(k);

@@ -33,8 +33,8 @@ class Shape {
   double fine_error = 0;       ///< distance of a source vertex from its fine vertex, at most
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty
-  /// Fine vertices that are extreme along the local axes; empty without fine mesh.
-  std::vector<Eigen::Vector3f> extremes;
+  /// Per component, the six fine vertices that are extreme along the local axes; empty without fine mesh.
+  std::vector<std::array<Eigen::Vector3f, 6>> extremes;
 
   /// The surface whose box bounds the body, and the error of that.
   const Surface& outer() const { return fine.empty() ? cages.front() : fine; }

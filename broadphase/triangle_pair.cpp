@@ -12,8 +12,10 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 bool axis_separates(const Vector& n, const TriangleD& a, const TriangleD& b, double distance) {
-  const double required = n.norm() * distance;
-  // Below this, underflow could have entered the projections.
+  // Below these, underflow could have entered the norm or the projections.
+  const double squared = n.squaredNorm();
+  if (!(squared > 1e-280)) return false;
+  const double required = std::sqrt(squared) * distance;
   if (!(required > 1e-290)) return false;
   const double a0 = n.dot(a[0]), a1 = n.dot(a[1]), a2 = n.dot(a[2]);
   const double b0 = n.dot(b[0]), b1 = n.dot(b[1]), b2 = n.dot(b[2]);

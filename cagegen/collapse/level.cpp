@@ -196,7 +196,9 @@ Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const Lev
   };
   Candidate finished{editor.extract(), 0, candidate.start};
   // Steps get shorter as they jam; starting over with long ones frees coarse cages again.
-  for (int pass = 0; pass < (request.faces > 1000 ? 1 : 2); ++pass) {
+  // Worth the time where the cage is small beside what it encloses.
+  const bool small = request.faces <= 1000 || request.clean->triangles.rows() > 20 * request.faces;
+  for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
     finished.cage =
         shrink(obstacle, finished.cage, request.clearance, kSelfClearance * request.clearance, request.threads, check);
   }

@@ -53,7 +53,7 @@ struct Verdict {
 
 /// World box that contains the body during the whole motion, rounding included:
 /// the box of the fine mesh, or of the finest cage if the asset has no fine
-/// mesh. Empty if a pose is not finite.
+/// mesh. The whole space if a pose is not finite or farther than 1e-9 from rigid.
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept;
 
 /// Proves that two posed bodies are farther apart than `margin` (>= 0, world
@@ -67,7 +67,8 @@ Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept
 ///
 /// A closed or capped body is its surface and the points of non-zero winding
 /// number. A `surface_only` body is its surface; as its interior is unknown,
-/// another body that lies wholly in its box answers "maybe". docs/guarantee.md
+/// another body of which a connected part lies wholly in its convex hull answers
+/// "maybe". docs/guarantee.md
 /// proves each stage.
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                   double margin = 0) noexcept;

@@ -65,6 +65,19 @@ TEST_F(Frames, BoxesHoldEveryVertexAndAreTight) {
   }
 }
 
+TEST_F(Frames, BoxOfAnUnusablePoseIsTheWholeSpace) {
+  const ShapePtr shape = make_shape(sample_shapes(0).front().hierarchy);
+  Eigen::Isometry3d stretched = Eigen::Isometry3d::Identity();
+  stretched.linear() *= 2;
+  Eigen::Isometry3d broken = Eigen::Isometry3d::Identity();
+  broken.translation().x() = std::nan("");
+  for (const Eigen::Isometry3d& pose : {stretched, broken}) {
+    const Eigen::AlignedBox3d box = world_box(*shape, Motion::resting(pose));
+    EXPECT_TRUE(box.contains(Eigen::Vector3d::Constant(1e300)));
+    EXPECT_TRUE(box.contains(Eigen::Vector3d::Constant(-1e300)));
+  }
+}
+
 TEST_F(Frames, RequiredDistanceCoversTheRoundingOfFrames) {
   Sample s = sample_shapes(0)[2];
   for (const double reach : {1e-3, 1.0, 1e3, 1e6}) {

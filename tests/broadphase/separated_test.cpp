@@ -313,6 +313,20 @@ TEST(Separated, OnePartInsideIsEnough) {
   EXPECT_TRUE(ask(box, Pose::Identity(), pair, shift(20, 0, 0)).separated);
 }
 
+TEST(Separated, UnknownInteriorMayHoldOnePartOfTheGuest) {
+  const std::vector<Body> all = bodies();
+  Sample sample;
+  sample.source = merged(box_mesh(Vector(-40, 0, 0), Vector(-39, 1, 1)),
+                         box_mesh(Vector(-0.25, -0.25, -0.25), Vector(0.25, 0.25, 0.25)));
+  sample.hierarchy.fine = sample.source;
+  sample.hierarchy.diagonal = bounds(sample.source).diagonal().norm();
+  const Body pair(sample);
+  const Body open(without_cages(find(all, "open box").sample));
+  EXPECT_FALSE(ask(open, Pose::Identity(), pair, Pose::Identity()).separated);
+  EXPECT_FALSE(ask(pair, Pose::Identity(), open, Pose::Identity()).separated);
+  EXPECT_TRUE(ask(open, Pose::Identity(), pair, shift(20, 0, 0)).separated);
+}
+
 TEST(Separated, InsideOutAndDoubledSolidsAreSolid) {
   const std::vector<Body> all = bodies();
   const Body small(scaled(find(all, "star").sample, -4));

@@ -55,6 +55,19 @@ TEST_F(TrianglePairs, NeverApartWhenTheyMeet) {
   EXPECT_GT(meeting, 3'000);
 }
 
+TEST_F(TrianglePairs, TinyAxesDoNotShrinkTheMargin) {
+  // Edges a hair from parallel: their cross product is so short that its squares underflow.
+  const TriangleD a{Vector(-10, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)};
+  for (const double turn : {1e-100, 1e-150, 1e-160, 2.3636e-164, 2.4546e-164, 1e-170, 1e-300}) {
+    for (const double z : {0.85, 0.9, 0.99}) {
+      const TriangleD b{Vector(0, 0, z), Vector(10, 10 * turn, z), Vector(-turn, 1, z)};
+      EXPECT_FALSE(triangles_apart(a, b, 1)) << turn << " at " << z;
+      EXPECT_FALSE(triangles_apart(b, a, 1)) << turn << " at " << z;
+      EXPECT_TRUE(triangles_apart(a, b, 0.8)) << turn << " at " << z;
+    }
+  }
+}
+
 TEST_F(TrianglePairs, NearContactOfEveryFeaturePair) {
   // From contact of two features, moved along their common normal until they miss by `gap`.
   const TriangleD a = {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)};
