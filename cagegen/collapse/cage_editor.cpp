@@ -136,34 +136,25 @@ CageEditor::Objective CageEditor::objective(const Patch& patch, double quadric_w
   Objective result;
   for (int i = 0; i < patch.moved_count; ++i) result.centre += position_[patch.moved[i]] / patch.moved_count;
   double area = 0;
+  double quadric = 0;
   for (const std::int32_t t : patch.old_triangles) {
     const Corners c = corners(t);
     const Point cross = (c[1] - c[0]).cross(c[2] - c[0]);
     const double doubled = cross.norm();
     if (doubled == 0) continue;
     area += doubled / 2;
-    // Volume under the old patch, and area-weighted squared distance to its planes.
     const Point x = c[0] - result.centre;
-    result.constant -= cross.dot(x) / 6;
     const Point n = cross / doubled;
     const double offset = n.dot(x);
+    result.constant -= cross.dot(x) / 6;
     result.matrix += doubled * n * n.transpose();
     result.vector += doubled * offset * n;
+    quadric += doubled / 2 * offset * offset;
   }
   const double scale = quadric_weight / std::sqrt(std::max(area, std::numeric_limits<double>::min()));
   result.matrix *= scale;
   result.vector *= scale;
-  // At the optimum p = centre of flat patches the quadric vanishes; its constant part never pays off.
-  double quadric_constant = 0;
-  for (const std::int32_t t : patch.old_triangles) {
-    const Corners c = corners(t);
-    const Point cross = (c[1] - c[0]).cross(c[2] - c[0]);
-    const double doubled = cross.norm();
-    if (doubled == 0) continue;
-    const double offset = cross.dot(c[0] - result.centre) / doubled;
-    quadric_constant += doubled / 2 * offset * offset;
-  }
-  result.constant += scale * quadric_constant;
+  result.constant += scale * quadric;
   for (const RingEdge& edge : patch.ring) {
     result.vector -= (position_[edge.a] - result.centre).cross(position_[edge.b] - result.centre) / 6;
   }
@@ -184,6 +175,7 @@ double CageEditor::estimate_collapse(std::int32_t u, std::int32_t v) const {
 }
 
 std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t v) {
+  assert(options_.quadric_weight > 0);  // the volume alone is linear: it has no minimum
   thread_local Patch patch;
   if (!make_collapse_patch(u, v, patch)) return std::nullopt;
   const Objective o = objective(patch, options_.quadric_weight);
@@ -238,7 +230,7 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
     const auto add_plane = [&](std::size_t i, const Prism& prism, double slope) {
       const Point normal = (prism.normal + slope * prism.side[1]).normalized();
       const double offset = normal.dot(prism.corner[1]) + 2 * rounding_;
-      // The steeper of two planes through one edge is the one that excludes p farther.
+      // It replaces the plane of earlier rounds: p kept to that one, and this is steeper.
       planes[i] = {normal, offset};
       cut = true;
     };

@@ -44,9 +44,8 @@ class TriangleTree {
     stack[size++] = 0;
     while (size > 0) {
       const Node& node = nodes_[stack[--size]];
-      const Float4 low[3] = {Float4::load(node.low[0]), Float4::load(node.low[1]), Float4::load(node.low[2])};
-      const Float4 high[3] = {Float4::load(node.high[0]), Float4::load(node.high[1]), Float4::load(node.high[2])};
-      const Mask4 accepted = test(low, high);
+      const Boxes boxes(node);
+      const Mask4 accepted = test(boxes.low, boxes.high);
       for (int lane = 3; lane >= 0; --lane) {
         if (!accepted.lane(lane) || node.kind[lane] == Kind::none) continue;
         if (node.kind[lane] == Kind::leaf) {
@@ -68,10 +67,9 @@ class TriangleTree {
     while (size > 0) {
       // Tested again when its turn comes: the test may have become stricter meanwhile.
       const Node& node = nodes_[stack[--size]];
-      const Float4 low[3] = {Float4::load(node.low[0]), Float4::load(node.low[1]), Float4::load(node.low[2])};
-      const Float4 high[3] = {Float4::load(node.high[0]), Float4::load(node.high[1]), Float4::load(node.high[2])};
-      const Mask4 accepted = test(low, high);
-      const Float4 ranks = rank(low, high);
+      const Boxes boxes(node);
+      const Mask4 accepted = test(boxes.low, boxes.high);
+      const Float4 ranks = rank(boxes.low, boxes.high);
       int order[4];
       int count = 0;
       for (int lane = 0; lane < 4; ++lane) {
@@ -97,6 +95,18 @@ class TriangleTree {
     std::int32_t child[4];
     std::array<Kind, 4> kind{};
     std::int32_t parent = kNone;  ///< node * 4 + lane
+  };
+
+  /// The four boxes of a node, loaded.
+  struct Boxes {
+    explicit Boxes(const Node& node) {
+      for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = Float4::load(node.low[axis]);
+        high[axis] = Float4::load(node.high[axis]);
+      }
+    }
+    Float4 low[3];
+    Float4 high[3];
   };
 
   std::int32_t build_node(std::span<std::int32_t> primitives, std::span<const Eigen::AlignedBox3d> boxes,

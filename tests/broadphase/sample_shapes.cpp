@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/broadphase/sample_shapes.h"
 
+#include "tests/shapes.h"
+
 #include <cmath>
 #include <random>
 
@@ -117,24 +119,7 @@ Sample sample(const std::string& name, const TriangleMesh& fine, const std::vect
 
 }  // namespace
 
-TriangleMesh box_mesh(const Vector& lower, const Vector& upper) {
-  std::vector<Vector> v;
-  for (int i = 0; i < 8; ++i) {
-    v.emplace_back(i & 1 ? upper.x() : lower.x(), i & 2 ? upper.y() : lower.y(), i & 4 ? upper.z() : lower.z());
-  }
-  return make(v, {{0, 2, 1},
-                  {1, 2, 3},
-                  {0, 1, 4},
-                  {1, 5, 4},
-                  {0, 4, 2},
-                  {2, 4, 6},
-                  {1, 3, 5},
-                  {3, 7, 5},
-                  {2, 6, 3},
-                  {3, 6, 7},
-                  {4, 5, 6},
-                  {5, 7, 6}});
-}
+TriangleMesh box_mesh(const Vector& lower, const Vector& upper) { return shapes::box(lower, upper); }
 
 TriangleMesh prism(const Polygon& polygon, const std::vector<Eigen::Vector3i>& triangles, double bottom, double top) {
   const int n = static_cast<int>(polygon.size());

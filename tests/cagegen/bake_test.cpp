@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/cagegen/certify/shapes.h"
+#include "tests/shapes.h"
 
 namespace encage {
 namespace {

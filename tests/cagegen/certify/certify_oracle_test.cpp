@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "cagegen/certify/exact.h"
-#include "tests/cagegen/certify/shapes.h"
+#include "tests/shapes.h"
 
 namespace encage {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "tests/cagegen/certify/shapes.h"
+#include "tests/shapes.h"
 
 namespace encage {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "tests/cagegen/certify/shapes.h"
+#include "tests/shapes.h"
 
 namespace encage {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/cagegen/certify/shapes.h"
+#include "tests/shapes.h"
 
 namespace encage::proof {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/cagegen/certify/shapes.h"
+#include "tests/shapes.h"
 
 namespace encage::proof {
 namespace {

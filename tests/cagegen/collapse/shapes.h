@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cagegen/collapse/separation.h"
-#include "tests/cagegen/certify/shapes.h"
+#include "tests/shapes.h"
 
 // Triangles and boxes, random and awkward, for the tests of the makers.
 namespace encage::collapse::shapes {

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/shapes.h"
+
 // Meshes and files that the tests of this folder make.
 
 namespace encage::test {
@@ -29,22 +31,7 @@ inline TriangleMesh mesh_of(const std::vector<Eigen::Vector3d>& vertices,
 /// A closed, outward box; corner number x + 2 y + 4 z.
 inline TriangleMesh box(const Eigen::Vector3d& low = Eigen::Vector3d::Zero(),
                         const Eigen::Vector3d& high = Eigen::Vector3d::Ones()) {
-  std::vector<Eigen::Vector3d> vertices;
-  for (int i = 0; i < 8; ++i) {
-    vertices.emplace_back(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(), i & 4 ? high.z() : low.z());
-  }
-  return mesh_of(vertices, {{0, 2, 3},
-                            {0, 3, 1},
-                            {4, 5, 7},
-                            {4, 7, 6},
-                            {0, 1, 5},
-                            {0, 5, 4},
-                            {2, 6, 7},
-                            {2, 7, 3},
-                            {0, 4, 6},
-                            {0, 6, 2},
-                            {1, 3, 7},
-                            {1, 7, 5}});
+  return shapes::box(low, high);
 }
 
 /// n x n squares over [0,1]^2 at the given height, two triangles each, facing +z.
