@@ -7,7 +7,10 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <filesystem>
+#include <limits>
 #include <memory>
+#include <type_traits>
 
 namespace encage {
 
@@ -21,6 +24,10 @@ using ShapePtr = std::shared_ptr<const Shape>;
 /// levels and no fine mesh), a cage that is empty or not closed, indices out of
 /// range, coordinates that are not finite or not exact in float32.
 ShapePtr make_shape(const CageHierarchy& hierarchy);
+
+/// Maps an asset and uses it in place, trees included; the file must not be changed
+/// while the shape lives. Throws Error naming file, section and reason.
+ShapePtr load_shape(const std::filesystem::path& file);
 
 /// Number of cages. Level 0 is the finest.
 int level_count(const Shape& shape) noexcept;
@@ -51,26 +58,75 @@ struct Verdict {
   std::int16_t level = -1;  ///< for Stage::cage: index of the cage level, 0 the finest
 };
 
+/// Whether queries answer about this motion at all: both poses finite and within
+/// 1e-9 of rigid, and the rotation between them below 180 degrees (with 1e-6 to spare).
+bool is_usable(const Motion& motion) noexcept;
+
+/// Bound of how far a point of the body leaves its straight path if the body
+/// really turns about its axis at uniform angular velocity: r (1 - cos(angle/2)), r the
+/// largest distance of a vertex from the axis through `pivot` (body frame) that stays on its straight path. World
+/// units, rounded up; 0 for a motion without rotation. Add it to a margin for both bodies.
+double arc_margin(const Shape& shape, const Motion& motion,
+                  const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
+
 /// World box that contains the body during the whole motion, rounding included:
 /// the box of the fine mesh, or of the finest cage if the asset has no fine
 /// mesh. The whole space if a pose is not finite or farther than 1e-9 from rigid.
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept;
 
-/// Proves that two posed bodies are farther apart than `margin` (>= 0, world
-/// units), or answers "maybe". Asks the stages in order: boxes, cages from
+/// The solid { x : normal . x <= offset } of the world; normal of unit length within 1e-9.
+struct HalfSpace {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double offset = 0;
+};
+
+/// What separated() asks.
+struct PairOptions {
+  double margin = 0;                                    ///< world units, >= 0
+  bool cages = true;                                    ///< ask cages
+  int finest_cage = 0;                                  ///< the finest cage level asked
+  int coarsest_cage = std::numeric_limits<int>::max();  ///< the coarsest one asked
+  bool fine = true;                                     ///< ask the fine meshes
+};
+
+/// Proves that two bodies stay farther apart than the margin while every vertex
+/// moves on its straight line, or answers "maybe". Asks the stages in order: boxes, cages from
 /// coarse to fine, fine meshes; the first proof ends the test. With different
 /// numbers of levels, level k is tested on each body's level k or its coarsest.
-///
-/// Re-entrant; never throws, never allocates. Discrete: both motions at rest
-/// (start == end); a moving pair answers "maybe" unless its boxes are apart
-/// during the whole motion. A pose farther than 1e-9 from rigid answers "maybe".
+/// Motions that are not usable answer "maybe". Re-entrant; never throws, never allocates.
 ///
 /// A closed or capped body is its surface and the points of non-zero winding
 /// number. A `surface_only` body is its surface; as its interior is unknown,
 /// another body of which a connected part lies wholly in its convex hull answers
-/// "maybe". docs/guarantee.md
-/// proves each stage.
+/// "maybe". docs/guarantee.md proves each stage.
+Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                  const PairOptions& options) noexcept;
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                   double margin = 0) noexcept;
+
+/// The same against a half-space: every vertex of the body stays beyond the plane by more than the margin.
+Verdict separated(const Shape& a, const Motion& motion_a, const HalfSpace& plane, double margin = 0) noexcept;
+
+/// Triangles of two fine meshes, as CageHierarchy::fine counts them.
+struct TrianglePair {
+  std::int32_t a = 0;
+  std::int32_t b = 0;
+};
+
+/// Calls visit(TrianglePair) -> bool for every pair of fine triangles that is not proven
+/// farther apart than the margin during the motion, in a fixed order, until visit returns false. Returns
+/// false if it did. All pairs, if a motion is not usable. No call if a body has no fine mesh. Re-entrant; allocates
+/// nothing.
+template <class Visit>
+bool for_each_candidate(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
+                        Visit&& visit) {
+  return visit_candidates(
+      a, motion_a, b, motion_b, margin,
+      [](void* context, TrianglePair pair) { return (*static_cast<std::remove_reference_t<Visit>*>(context))(pair); },
+      const_cast<void*>(static_cast<const void*>(&visit)));
+}
+/// for_each_candidate() with a plain function; visit(context, pair).
+bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
+                      bool (*visit)(void* context, TrianglePair pair), void* context);
 
 }  // namespace encage
