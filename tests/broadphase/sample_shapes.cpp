@@ -88,6 +88,7 @@ TriangleMesh two_boxes(double d) {
 /// A box without lid: two triangles dropped.
 TriangleMesh open_box() {
   TriangleMesh mesh = cube(1);
+  mesh.triangles.middleRows(2, 8) = mesh.triangles.bottomRows(8).eval();  // the lid: triangles 2 and 3
   mesh.triangles.conservativeResize(10, 3);
   return mesh;
 }
