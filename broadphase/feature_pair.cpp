@@ -15,14 +15,15 @@ using Corners = std::array<Lanes, 3>;  // x, y, z of four points
 
 constexpr int cells = 1 << 22;  // of the grid of times
 constexpr int most_steps = 1 << 10;
+// Times the projected magnitudes at both ends it bounds the rounding of a projection: differences
+// 1, projection 3, interpolation 3, |axis| * distance 5 units of 2^-53.
+constexpr double rounding_unit = 0x1p-49;
 
 /// The difference of the features: a triangle (its last corner twice) or a
 /// parallelogram, whose corners move linearly. The features touch where the origin is on it.
 struct Sweep {
   Corners start, end;
-  // 2^-49 of the largest sum of a corner's coordinates at both ends. It covers: differences
-  // 1, projections 3, their interpolation 3, |axis| * distance 5 units of 2^-53 of that sum.
-  double rounding;
+  Corners size;  // sums of the magnitudes at both ends
 };
 
 Corners at(const Sweep& sweep, double time) {
@@ -63,11 +64,12 @@ Vector closest_direction(const Corners& p) {
 /// Requirement and sweep of one question.
 class Search {
  public:
-  Search(const Sweep& sweep, const Requirement& required) : sweep_(sweep), required_(required) {}
+  Search(const Sweep& sweep, const Requirement& required, double rounding)
+      : sweep_(sweep), required_(required), rounding_(rounding) {}
 
   /// Axes from the middle of all corners, each moved towards the corner that spoils it.
   bool quickly_free() const {
-    const double least = required_.distance + required_.arc + sweep_.rounding;
+    const double least = required_.distance + required_.arc + rounding_;
     Vector axis;
     for (int k = 0; k < 3; ++k) axis[k] = (sweep_.start[k] + sweep_.end[k]).sum() / 8;
     for (int attempt = 0; attempt < 4; ++attempt) {
@@ -90,16 +92,17 @@ class Search {
   int free_until(const Vector& axis, int now, int end) const {
     const double squared = axis.squaredNorm();
     if (!(squared > 1e-280)) return now;
-    const double least = std::sqrt(squared) * (required_.distance + largest_arc(now, end) + sweep_.rounding);
-    if (!(least > 1e-290)) return now;
+    const double length = std::sqrt(squared) * (required_.distance + largest_arc(now, end));
+    const Lanes least = length + rounding_unit * project(sweep_.size, axis.cwiseAbs());
+    if (!(least.minCoeff() > 1e-290)) return now;
     const Lanes s = project(sweep_.start, axis);
     const Lanes d = project(sweep_.end, axis) - s;
-    const auto free_at = [&](int cell) { return (s + time(cell) * d).minCoeff() > least; };
+    const auto free_at = [&](int cell) { return (s + time(cell) * d - least).minCoeff() > 0; };
     if (!free_at(now)) return now;
     if (free_at(end)) return end;
     double first = time(end);
     for (int i = 0; i < 4; ++i) {
-      if (d[i] < 0) first = std::min(first, (least - s[i]) / d[i]);
+      if (d[i] < 0) first = std::min(first, (least[i] - s[i]) / d[i]);
     }
     const int cell = std::clamp(static_cast<int>(first * cells), now, end);
     if (free_at(cell)) return cell;
@@ -128,23 +131,40 @@ class Search {
 
   int advance(int now) const {
     int next = free_until(closest_direction(at(sweep_, time(now))), now, cells);
-    if (next == cells) return next;
-    next = std::max(next, free_until(closest_direction(at(sweep_, time(now) + 0.5 / cells)), now, cells));
+    if (next == cells || next > now + 64) return next;
+    const auto consider = [&](const Vector& axis) {
+      next = std::max(next, free_until(axis, now, cells));
+      return next > now + 64;
+    };
+    const Corners p = at(sweep_, time(now));
+    for (int reach = cells - now; reach > 0; reach /= 16) {
+      const Corners q = at(sweep_, time(now + reach));
+      if (consider(closest_direction(q))) return next;
+      for (int i = 0; i < 4; ++i) {
+        const int j = (i + 1) % 4;
+        Corners quad;
+        for (int k = 0; k < 3; ++k) quad[k] = {p[k][i], p[k][j], q[k][j], q[k][i]};
+        if (consider(closest_direction(quad))) return next;
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (consider(Vector::Unit(k)) || consider(-Vector::Unit(k))) return next;
+    }
     return next;
   }
 
   const Sweep& sweep_;
   const Requirement& required_;
+  double rounding_ = 0;
 };
 
 std::optional<double> first(Sweep& sweep, const Requirement& required) {
-  Lanes size = Lanes::Zero();
-  for (int k = 0; k < 3; ++k) size += sweep.start[k].abs() + sweep.end[k].abs();
-  sweep.rounding = std::ldexp(1.0, -49) * size.maxCoeff();
+  for (int k = 0; k < 3; ++k) sweep.size[k] = sweep.start[k].abs() + sweep.end[k].abs();
+  const Lanes size = sweep.size[0] + sweep.size[1] + sweep.size[2];
   // Neither NaN nor infinity, which comparisons of least values could lose.
   if (!(size.sum() < std::numeric_limits<double>::infinity())) return 0.0;
   if (!(required.distance >= 0 && required.arc >= 0)) return 0.0;
-  const Search search(sweep, required);
+  const Search search(sweep, required, rounding_unit * size.maxCoeff());
   if (search.quickly_free()) return std::nullopt;
   return search.run();
 }

@@ -4,8 +4,8 @@
 // this repository: the folder is named by ENCAGE_CCD_QUERIES.
 #include <encage/contact.h>
 
-#include <gtest/gtest.h>
 #include <CGAL/Gmpq.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
