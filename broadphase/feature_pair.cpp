@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/feature_pair.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Lanes = Eigen::Array4d;
+using Corners = std::array<Lanes, 3>;  // x, y, z of four points
+
+constexpr int cells = 1 << 22;  // of the grid of times
+constexpr int most_steps = 1 << 10;
+// Times the projected magnitudes at both ends it bounds the rounding of a projection: differences
+// 1, projection 3, interpolation 3, |axis| * distance 5 units of 2^-53.
+constexpr double rounding_unit = 0x1p-49;
+
+/// The difference of the features: a triangle (its last corner twice) or a
+/// parallelogram, whose corners move linearly. The features touch where the origin is on it.
+struct Sweep {
+  Corners start, end;
+  Corners size;  // sums of the magnitudes at both ends
+};
+
+Corners at(const Sweep& sweep, double time) {
+  Corners result;
+  for (int k = 0; k < 3; ++k) result[k] = sweep.start[k] + time * (sweep.end[k] - sweep.start[k]);
+  return result;
+}
+
+Vector corner(const Corners& corners, int i) { return {corners[0][i], corners[1][i], corners[2][i]}; }
+
+Lanes project(const Corners& corners, const Vector& axis) {
+  return corners[0] * axis[0] + corners[1] * axis[1] + corners[2] * axis[2];
+}
+
+/// From the origin to the point of the polygon closest to it, up to rounding,
+/// and orthogonal to the face or edge which that point is on as well as can be.
+Vector closest_direction(const Corners& p) {
+  Corners e;
+  for (int k = 0; k < 3; ++k) e[k] = Lanes(p[k][1], p[k][2], p[k][3], p[k][0]) - p[k];
+  const Corners moment = {p[1] * e[2] - p[2] * e[1], p[2] * e[0] - p[0] * e[2], p[0] * e[1] - p[1] * e[0]};
+  const Vector e0 = corner(e, 0), e1 = corner(e, 1);
+  const Vector normal = e0.cross(e1);
+  const Lanes side = project(moment, normal);
+  if (side.minCoeff() >= 0 && normal.squaredNorm() > 1e-24 * e0.squaredNorm() * e1.squaredNorm()) {
+    return normal.dot(corner(p, 0)) > 0 ? normal : Vector(-normal);
+  }
+  const Lanes length = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
+  const Lanes along = -(p[0] * e[0] + p[1] * e[1] + p[2] * e[2]);
+  const Lanes s = (along / length.max(std::numeric_limits<double>::min())).max(0.0).min(1.0);
+  const Corners c = {p[0] + s * e[0], p[1] + s * e[1], p[2] + s * e[2]};
+  int i = 0;
+  (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).minCoeff(&i);
+  if (s[i] <= 0) return corner(p, i);
+  if (s[i] >= 1) return corner(p, (i + 1) % 4);
+  return corner(e, i).cross(corner(moment, i));
+}
+
+/// Requirement and sweep of one question.
+class Search {
+ public:
+  Search(const Sweep& sweep, const Requirement& required, double rounding)
+      : sweep_(sweep), required_(required), rounding_(rounding) {}
+
+  /// Axes from the middle of all corners, each moved towards the corner that spoils it.
+  bool quickly_free() const {
+    const double least = required_.distance + required_.arc + rounding_;
+    Vector axis;
+    for (int k = 0; k < 3; ++k) axis[k] = (sweep_.start[k] + sweep_.end[k]).sum() / 8;
+    for (int attempt = 0; attempt < 4; ++attempt) {
+      const double squared = axis.squaredNorm();
+      if (!(squared > 1e-200)) return false;
+      const Lanes s = project(sweep_.start, axis), e = project(sweep_.end, axis);
+      int i = 0, j = 0;
+      const double low_s = s.minCoeff(&i), low_e = e.minCoeff(&j);
+      const double low = std::min(low_s, low_e);
+      const double bound = least * least * squared;
+      if (low > 0 && low * low > bound && bound > 1e-280) return true;
+      const Vector worst = low_s < low_e ? corner(sweep_.start, i) : corner(sweep_.end, j);
+      const Vector step = worst - axis;
+      axis += std::min(1.0, (squared - low) / step.squaredNorm()) * step;
+    }
+    return false;
+  }
+
+  /// The last cell border up to which the axis proves freedom from `now` on, `now` if none.
+  int free_until(const Vector& axis, int now, int end) const {
+    const double squared = axis.squaredNorm();
+    if (!(squared > 1e-280)) return now;
+    const double length = std::sqrt(squared) * (required_.distance + largest_arc(now, end));
+    const Lanes least = length + rounding_unit * project(sweep_.size, axis.cwiseAbs());
+    if (!(least.minCoeff() > 1e-290)) return now;
+    const Lanes s = project(sweep_.start, axis);
+    const Lanes d = project(sweep_.end, axis) - s;
+    const auto free_at = [&](int cell) { return (s + time(cell) * d - least).minCoeff() > 0; };
+    if (!free_at(now)) return now;
+    if (free_at(end)) return end;
+    double first = time(end);
+    for (int i = 0; i < 4; ++i) {
+      if (d[i] < 0) first = std::min(first, (least[i] - s[i]) / d[i]);
+    }
+    const int cell = std::clamp(static_cast<int>(first * cells), now, end);
+    if (free_at(cell)) return cell;
+    return cell > now && free_at(cell - 1) ? cell - 1 : now;
+  }
+
+  std::optional<double> run() const {
+    int now = 0;
+    for (int step = 0; step < most_steps; ++step) {
+      if (time(now) > required_.latest) return std::nullopt;
+      const int next = advance(now);
+      if (next == cells) return std::nullopt;
+      if (next == now) break;
+      now = next;
+    }
+    return time(now);
+  }
+
+ private:
+  static double time(int cell) { return cell * (1.0 / cells); }
+
+  double largest_arc(int now, int end) const {
+    const double nearest = std::clamp(0.5, time(now), time(end));
+    return required_.arc * 4 * nearest * (1 - nearest);
+  }
+
+  int advance(int now) const {
+    int next = free_until(closest_direction(at(sweep_, time(now))), now, cells);
+    if (next == cells || next > now + 64) return next;
+    const auto consider = [&](const Vector& axis) {
+      next = std::max(next, free_until(axis, now, cells));
+      return next > now + 64;
+    };
+    const Corners p = at(sweep_, time(now));
+    for (int reach = cells - now; reach > 0; reach /= 16) {
+      const Corners q = at(sweep_, time(now + reach));
+      if (consider(closest_direction(q))) return next;
+      for (int i = 0; i < 4; ++i) {
+        const int j = (i + 1) % 4;
+        Corners quad;
+        for (int k = 0; k < 3; ++k) quad[k] = {p[k][i], p[k][j], q[k][j], q[k][i]};
+        if (consider(closest_direction(quad))) return next;
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (consider(Vector::Unit(k)) || consider(-Vector::Unit(k))) return next;
+    }
+    return next;
+  }
+
+  const Sweep& sweep_;
+  const Requirement& required_;
+  double rounding_ = 0;
+};
+
+std::optional<double> first(Sweep& sweep, const Requirement& required) {
+  for (int k = 0; k < 3; ++k) sweep.size[k] = sweep.start[k].abs() + sweep.end[k].abs();
+  const Lanes size = sweep.size[0] + sweep.size[1] + sweep.size[2];
+  // Neither NaN nor infinity, which comparisons of least values could lose.
+  if (!(size.sum() < std::numeric_limits<double>::infinity())) return 0.0;
+  if (!(required.distance >= 0 && required.arc >= 0)) return 0.0;
+  const Search search(sweep, required, rounding_unit * size.maxCoeff());
+  if (search.quickly_free()) return std::nullopt;
+  return search.run();
+}
+
+}  // namespace
+
+std::optional<double> first_vertex_face(const MovingPoints& points, const Requirement& required) noexcept {
+  Sweep sweep;
+  const auto& p = points.start;
+  const auto& q = points.end;
+  for (int k = 0; k < 3; ++k) {
+    sweep.start[k] = Lanes(p[1][k], p[2][k], p[3][k], p[3][k]) - p[0][k];
+    sweep.end[k] = Lanes(q[1][k], q[2][k], q[3][k], q[3][k]) - q[0][k];
+  }
+  return first(sweep, required);
+}
+
+std::optional<double> first_edge_edge(const MovingPoints& points, const Requirement& required) noexcept {
+  Sweep sweep;
+  const auto& p = points.start;
+  const auto& q = points.end;
+  for (int k = 0; k < 3; ++k) {
+    sweep.start[k] = Lanes(p[0][k], p[1][k], p[1][k], p[0][k]) - Lanes(p[2][k], p[2][k], p[3][k], p[3][k]);
+    sweep.end[k] = Lanes(q[0][k], q[1][k], q[1][k], q[0][k]) - Lanes(q[2][k], q[2][k], q[3][k], q[3][k]);
+  }
+  return first(sweep, required);
+}
+
+std::optional<double> vertex_face_time(const MovingPoints& points, const ContactOptions& options) noexcept {
+  return first_vertex_face(points, {options.margin, options.arc, options.latest});
+}
+
+std::optional<double> edge_edge_time(const MovingPoints& points, const ContactOptions& options) noexcept {
+  return first_edge_edge(points, {options.margin, options.arc, options.latest});
+}
+
+}  // namespace encage
