@@ -16,14 +16,14 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// False only if the ray from `p` is proven to miss the box. Each quotient is
 /// off by at most 2 eps relatively: two roundings.
-bool may_meet(const Ray& ray, const BvhNode& node, const Vector& p) {
+bool may_meet(const Ray& ray, const WideNode& node, int lane, const Vector& p) {
   const std::array<double, 3> direction = {1, ray.slope1, ray.slope2};
   double enter = 0;
   double leave = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const int axis = (ray.axis + k) % 3;
-    double t0 = (static_cast<double>(node.lower[axis]) - p[axis]) / direction[k];
-    double t1 = (static_cast<double>(node.upper[axis]) - p[axis]) / direction[k];
+    double t0 = (static_cast<double>(node.lower[axis][lane]) - p[axis]) / direction[k];
+    double t1 = (static_cast<double>(node.upper[axis][lane]) - p[axis]) / direction[k];
     if (t0 > t1) std::swap(t0, t1);
     enter = std::max(enter, t0 - 8 * eps * std::abs(t0));
     leave = std::min(leave, t1 + 8 * eps * std::abs(t1));
@@ -36,11 +36,11 @@ bool may_meet(const Ray& ray, const BvhNode& node, const Vector& p) {
 /// coordinate of a corner relative to p, the two coordinates are at most 1.5 m
 /// and off by 3 eps m each; hence an edge function is off by less than 32 eps m^2,
 /// and their mean of depths by less than 128 eps m^3.
-std::optional<int> crossing(const Ray& ray, const TriangleF& triangle, const Vector& p) {
+std::optional<int> crossing(const Ray& ray, const std::array<Vector, 3>& triangle, const Vector& p) {
   std::array<double, 3> x, y, z;
   double m = 0;
   for (int k = 0; k < 3; ++k) {
-    const Vector d = triangle[k].cast<double>() - p;
+    const Vector d = triangle[k] - p;
     m = std::max(m, d.cwiseAbs().maxCoeff());
     x[k] = d[ray.axis];
     y[k] = d[(ray.axis + 1) % 3] - ray.slope1 * x[k];
@@ -76,21 +76,24 @@ std::optional<int> crossing(const Ray& ray, const TriangleF& triangle, const Vec
 /// Winding number of the surface about `p`, counted along the ray.
 std::optional<int> winding(const Surface& surface, const Ray& ray, const Vector& p) {
   int sum = 0;
-  std::array<std::int32_t, Bvh::max_depth + 2> stack;
+  std::array<std::int32_t, WideNode::width*(WideTree::max_depth + 2)> stack;
   int size = 0;
   stack[size++] = 0;
   while (size > 0) {
-    const BvhNode& node = surface.nodes[stack[--size]];
-    if (!may_meet(ray, node, p)) continue;
-    if (!node.leaf()) {
-      stack[size++] = node.first + 1;
-      stack[size++] = node.first;
-      continue;
-    }
-    for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
-      const std::optional<int> sign = crossing(ray, surface.triangles[t], p);
-      if (!sign) return std::nullopt;
-      sum += *sign;
+    const WideNode& node = surface.tree.nodes[stack[--size]];
+    for (int lane = 0; lane < WideNode::width; ++lane) {
+      if (node.count[lane] == WideNode::unused || !may_meet(ray, node, lane, p)) continue;
+      if (node.count[lane] == WideNode::inner) {
+        stack[size++] = node.child[lane];
+        continue;
+      }
+      for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
+        const auto& v = surface.tree.leaves[i].vertices;
+        const std::optional<int> sign =
+            crossing(ray, {surface.vertex(v[0]), surface.vertex(v[1]), surface.vertex(v[2])}, p);
+        if (!sign) return std::nullopt;
+        sum += *sign;
+      }
     }
   }
   return sum;
@@ -99,9 +102,9 @@ std::optional<int> winding(const Surface& surface, const Ray& ray, const Vector&
 }  // namespace
 
 Side locate(const Surface& surface, const Vector& point) noexcept {
-  const BvhNode& root = surface.nodes[0];
   for (int axis = 0; axis < 3; ++axis) {
-    if (point[axis] < static_cast<double>(root.lower[axis]) || point[axis] > static_cast<double>(root.upper[axis])) {
+    if (point[axis] < static_cast<double>(surface.lower[axis]) ||
+        point[axis] > static_cast<double>(surface.upper[axis])) {
       return Side::outside;
     }
   }
@@ -114,25 +117,27 @@ Side locate(const Surface& surface, const Vector& point) noexcept {
 }
 
 bool all_outside(const Surface& host, const Surface& guest, const PairFrame& frame) noexcept {
-  return std::all_of(guest.component_points.begin(), guest.component_points.end(),
-                     [&](const Eigen::Vector3f& x) { return locate(host, frame.map(x)) == Side::outside; });
+  return std::all_of(guest.parts.begin(), guest.parts.end(), [&](const MeshPart& part) {
+    return locate(host, frame.map(guest.vertex(part.vertex))) == Side::outside;
+  });
 }
 
 bool could_hold(const Shape& host, const Shape& guest, const PairFrame& frame, double slack) noexcept {
-  const BvhNode& root = host.outer().nodes[0];
+  const Surface& outer = host.outer();
   const double reach = slack + (1 + 1e-8) * (host.outer_error() + guest.fine_error);
-  const auto outside = [&](const Eigen::Vector3f& x) {
-    const Vector p = frame.map(x);
+  const auto outside = [&](std::int32_t v) {
+    const Vector p = frame.map(guest.fine.vertex(v));
     for (int axis = 0; axis < 3; ++axis) {
-      if (p[axis] < static_cast<double>(root.lower[axis]) - reach) return true;
-      if (p[axis] > static_cast<double>(root.upper[axis]) + reach) return true;
+      if (p[axis] < static_cast<double>(outer.lower[axis]) - reach) return true;
+      if (p[axis] > static_cast<double>(outer.upper[axis]) + reach) return true;
     }
     return false;
   };
   // A connected part with a vertex outside the box is not inside the host unless it touches its surface.
-  const bool excluded = !guest.extremes.empty() &&
-                        std::all_of(guest.extremes.begin(), guest.extremes.end(),
-                                    [&](const auto& part) { return std::any_of(part.begin(), part.end(), outside); });
+  const bool excluded =
+      !guest.fine.empty() && std::all_of(guest.fine.parts.begin(), guest.fine.parts.end(), [&](const MeshPart& part) {
+        return std::any_of(part.extremes.begin(), part.extremes.end(), outside);
+      });
   return !excluded;
 }
 

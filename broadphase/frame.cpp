@@ -12,42 +12,6 @@ namespace {
 // Twice the unit roundoff: the bounds below are counted in it, with room to spare.
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
-double largest_radius(const Shape& shape) {
-  double radius = shape.fine.radius;
-  for (const Surface& cage : shape.cages) radius = std::max(radius, cage.radius);
-  return radius;
-}
-
-/// Largest n.x over the vertices, as computed: at most 4 eps |n| radius below the exact one.
-/// A box is skipped if its bound is no larger than a value at hand; both carry that error.
-double support(const Surface& surface, const Eigen::Vector3d& n) {
-  const auto bound = [&](const BvhNode& node) {
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-      sum += std::max(n[k] * static_cast<double>(node.lower[k]), n[k] * static_cast<double>(node.upper[k]));
-    }
-    return sum;
-  };
-  double best = -std::numeric_limits<double>::infinity();
-  std::array<std::int32_t, Bvh::max_depth + 2> stack;
-  int size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const BvhNode& node = surface.nodes[stack[--size]];
-    if (bound(node) <= best) continue;
-    if (node.leaf()) {
-      for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
-        for (const Eigen::Vector3f& v : surface.triangles[t]) best = std::max(best, n.dot(v.cast<double>()));
-      }
-      continue;
-    }
-    const bool first_is_higher = bound(surface.nodes[node.first]) >= bound(surface.nodes[node.first + 1]);
-    stack[size++] = node.first + (first_is_higher ? 1 : 0);
-    stack[size++] = node.first + (first_is_higher ? 0 : 1);
-  }
-  return best;
-}
-
 /// Covers the rounding of a world coordinate and the error of the fine vertices.
 double world_slack(const Shape& shape, const Eigen::Isometry3d& pose, double radius) {
   const double size = radius + shape.origin.norm() + pose.translation().norm();
@@ -69,6 +33,52 @@ bool is_usable(const Eigen::Isometry3d& pose) noexcept {
          departure_from_rigid(pose.linear()) <= 1e-9;
 }
 
+// A box is skipped if its bound is no larger than a value at hand; both carry that error.
+double support(const Surface& surface, const Eigen::Vector3d& n) noexcept {
+  const auto bound = [&](const WideNode& node, int lane) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      sum += std::max(n[k] * static_cast<double>(node.lower[k][lane]), n[k] * static_cast<double>(node.upper[k][lane]));
+    }
+    return sum;
+  };
+  struct Entry {
+    std::int32_t node;
+    double bound;
+  };
+  double best = -std::numeric_limits<double>::infinity();
+  std::array<Entry, WideNode::width*(WideTree::max_depth + 2)> stack;
+  int size = 0;
+  stack[size++] = {0, std::numeric_limits<double>::infinity()};
+  while (size > 0) {
+    const Entry entry = stack[--size];
+    if (entry.bound <= best) continue;
+    const WideNode& node = surface.tree.nodes[entry.node];
+    const int below = size;
+    for (int lane = 0; lane < WideNode::width && node.count[lane] != WideNode::unused; ++lane) {
+      const double upper = bound(node, lane);
+      if (upper <= best) continue;
+      if (node.count[lane] == WideNode::inner) {
+        stack[size++] = {node.child[lane], upper};
+        continue;
+      }
+      for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
+        for (const std::int32_t v : surface.tree.leaves[i].vertices) best = std::max(best, n.dot(surface.vertex(v)));
+      }
+    }
+    // The most promising one next.
+    std::sort(stack.begin() + below, stack.begin() + size,
+              [](const Entry& x, const Entry& y) { return x.bound < y.bound; });
+  }
+  return best;
+}
+
+bool is_usable(const Motion& motion) noexcept {
+  if (!is_usable(motion.start) || !is_usable(motion.end)) return false;
+  // 1 + 2 cos of the angle between the poses; off by no more than their departure from rigid and rounding.
+  return (motion.start.linear().transpose() * motion.end.linear()).trace() > -1 + 1e-6;
+}
+
 PairFrame relative_frame(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
                          const Eigen::Isometry3d& pose_b) noexcept {
   const Eigen::Vector3d offset =
@@ -78,8 +88,8 @@ PairFrame relative_frame(const Shape& a, const Eigen::Isometry3d& pose_a, const 
 
 double required_distance(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
                          const Eigen::Isometry3d& pose_b, double margin) noexcept {
-  const double size = largest_radius(a) + largest_radius(b) + a.origin.norm() + b.origin.norm() +
-                      pose_a.translation().norm() + pose_b.translation().norm();
+  const double size = a.radius + b.radius + a.origin.norm() + b.origin.norm() + pose_a.translation().norm() +
+                      pose_b.translation().norm();
   const double departure = departure_from_rigid(pose_a.linear()) + departure_from_rigid(pose_b.linear());
   return margin * (1 + 64 * eps + 4 * departure) + (256 * eps + 32 * departure) * size;
 }
@@ -114,7 +124,7 @@ Eigen::AlignedBox3d ball_box(const Shape& shape, const Eigen::Isometry3d& pose) 
 }
 
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept {
-  if (!is_usable(motion.start) || !is_usable(motion.end)) {
+  if (!is_usable(motion)) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     return {Eigen::Vector3d::Constant(-infinity), Eigen::Vector3d::Constant(infinity)};
   }

@@ -17,7 +17,7 @@ struct PairFrame {
   Eigen::Matrix3d rotation;
   Eigen::Vector3d translation;
 
-  Eigen::Vector3d map(const Eigen::Vector3f& x) const { return rotation * x.cast<double>() + translation; }
+  Eigen::Vector3d map(const Eigen::Vector3d& x) const { return rotation * x + translation; }
 };
 
 PairFrame relative_frame(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
@@ -33,6 +33,9 @@ double required_distance(const Shape& a, const Eigen::Isometry3d& pose_a, const 
 
 /// True if the boxes are proven farther apart than `margin`.
 bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, double margin) noexcept;
+
+/// Largest n.x over the vertices, as computed: at most 4 eps |n| radius below the exact one.
+double support(const Surface& surface, const Eigen::Vector3d& n) noexcept;
 
 /// World box of the body at one pose, rounding included.
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/containment.h"
 #include "broadphase/frame.h"
+#include "broadphase/plane_check.h"
 #include "broadphase/surface_pair.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace encage {
 namespace {
@@ -16,29 +18,31 @@ bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, co
          boxes_apart(world_box(a, motion_a), world_box(b, motion_b), margin);
 }
 
-/// Two bodies at rest: what the stages after the boxes share.
-class RestingPair {
+/// Covers the error of the stored fine meshes; a pose stretches it by less than 1e-9.
+double fine_slack(const Shape& a, const Shape& b) { return (1 + 1e-8) * (a.fine_error + b.fine_error); }
+
+/// What the stages after the boxes share. Surfaces that never meet keep their places inside
+/// and outside of each other: containment is asked at the start of the step only.
+class BodyPair {
  public:
-  RestingPair(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b, const Eigen::Isometry3d& pose_b,
-              double margin)
+  BodyPair(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin)
       : a_(a),
         b_(b),
-        b_to_a_(relative_frame(a, pose_a, b, pose_b)),
-        a_to_b_(relative_frame(b, pose_b, a, pose_a)),
-        distance_(required_distance(a, pose_a, b, pose_b, margin)) {}
+        motion_(pair_motion(a, motion_a, b, motion_b)),
+        b_to_a_(relative_frame(a, motion_a.start, b, motion_b.start)),
+        a_to_b_(relative_frame(b, motion_b.start, a, motion_a.start)),
+        distance_(required_distance(a, motion_a, b, motion_b, margin)) {}
 
   bool cages_apart(const Surface& cage_a, const Surface& cage_b) const {
     return !hold(a_.solid == Solid::surface_only, b_.solid == Solid::surface_only) &&
-           surfaces_apart(cage_a, cage_b, b_to_a_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
+           surfaces_apart(cage_a, cage_b, motion_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
            all_outside(cage_a, cage_b, b_to_a_);
   }
 
   bool fine_apart() const {
     const bool open_a = a_.solid == Solid::surface_only || !a_.fine.closed;
     const bool open_b = b_.solid == Solid::surface_only || !b_.fine.closed;
-    // A pose stretches lengths by less than 1e-9.
-    const double distance = distance_ + (1 + 1e-8) * (a_.fine_error + b_.fine_error);
-    return !hold(open_a, open_b) && surfaces_apart(a_.fine, b_.fine, b_to_a_, distance) &&
+    return !hold(open_a, open_b) && surfaces_apart(a_.fine, b_.fine, motion_, distance_ + fine_slack(a_, b_)) &&
            (open_b || all_outside(b_.fine, a_.fine, a_to_b_)) && (open_a || all_outside(a_.fine, b_.fine, b_to_a_));
   }
 
@@ -50,6 +54,7 @@ class RestingPair {
 
   const Shape& a_;
   const Shape& b_;
+  PairMotion motion_;
   PairFrame b_to_a_, a_to_b_;
   double distance_;
 };
@@ -57,26 +62,75 @@ class RestingPair {
 }  // namespace
 
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                  double margin) noexcept {
-  const bool usable = is_usable(motion_a.start) && is_usable(motion_a.end) && is_usable(motion_b.start) &&
-                      is_usable(motion_b.end) && margin >= 0;
-  if (!usable) return {};
-  if (body_boxes_apart(a, motion_a, b, motion_b, margin)) return {true, Stage::box, -1};
-  if (!motion_a.at_rest() || !motion_b.at_rest()) return {};
+                  const PairOptions& options) noexcept {
+  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.margin >= 0)) return {};
+  if (body_boxes_apart(a, motion_a, b, motion_b, options.margin)) return {true, Stage::box, -1};
 
-  const RestingPair pair(a, motion_a.start, b, motion_b.start, margin);
+  const BodyPair pair(a, motion_a, b, motion_b, options.margin);
   Verdict last;
-  if (!a.cages.empty() && !b.cages.empty()) {
+  if (options.cages && !a.cages.empty() && !b.cages.empty()) {
     const int count_a = level_count(a), count_b = level_count(b);
-    for (int k = std::max(count_a, count_b) - 1; k >= 0; --k) {
+    const int coarsest = std::min(options.coarsest_cage, std::max(count_a, count_b) - 1);
+    for (int k = coarsest; k >= std::max(options.finest_cage, 0); --k) {
       last = {false, Stage::cage, static_cast<std::int16_t>(k)};
       if (pair.cages_apart(a.cages[std::min(k, count_a - 1)], b.cages[std::min(k, count_b - 1)])) {
         return {true, Stage::cage, static_cast<std::int16_t>(k)};
       }
     }
   }
-  if (a.fine.empty() || b.fine.empty()) return last;
+  if (!options.fine || a.fine.empty() || b.fine.empty()) return last;
   return {pair.fine_apart(), Stage::fine, -1};
+}
+
+Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                  double margin) noexcept {
+  return separated(a, motion_a, b, motion_b, PairOptions{.margin = margin});
+}
+
+Verdict separated(const Shape& a, const Motion& motion_a, const HalfSpace& plane, double margin) noexcept {
+  if (!is_usable(motion_a) || !(margin >= 0)) return {};
+  const Stage stage = a.fine.empty() ? Stage::cage : Stage::fine;
+  return {PlaneCheck(a, motion_a, plane, margin).beyond_throughout(), stage,
+          static_cast<std::int16_t>(a.fine.empty() ? 0 : -1)};
+}
+
+bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
+                      bool (*visit)(void* context, TrianglePair pair), void* context) {
+  if (a.fine.empty() || b.fine.empty()) return true;
+  if (!is_usable(motion_a) || !is_usable(motion_b) || !(margin >= 0)) {
+    const auto count_a = static_cast<std::int32_t>(a.fine.mesh.triangles.size());
+    const auto count_b = static_cast<std::int32_t>(b.fine.mesh.triangles.size());
+    for (std::int32_t i = 0; i < count_a; ++i) {
+      for (std::int32_t j = 0; j < count_b; ++j) {
+        if (!visit(context, {i, j})) return false;
+      }
+    }
+    return true;
+  }
+  struct Context {
+    bool (*visit)(void* context, TrianglePair pair);
+    void* context;
+  } inner{visit, context};
+  return visit_near_triangles(
+      a.fine, b.fine, pair_motion(a, motion_a, b, motion_b),
+      required_distance(a, motion_a, b, motion_b, margin) + fine_slack(a, b), Effort::full,
+      [](void* c, std::int32_t i, std::int32_t j) {
+        const auto& [call, outer] = *static_cast<const Context*>(c);
+        return call(outer, {i, j});
+      },
+      &inner);
+}
+
+double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3d& pivot) noexcept {
+  // The Frobenius norm of R1 - R0 is sqrt(8) sin(angle/2).
+  const double departure = departure_from_rigid(motion.start.linear()) + departure_from_rigid(motion.end.linear());
+  const double norm = (motion.end.linear() - motion.start.linear()).norm() + 2 * departure;
+  if (motion.at_rest()) return 0;
+  const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
+  const double cosine = std::sqrt((1 - sine) * (1 + sine));
+  // 1 - cos = sin^2 / (1 + cos): without cancellation.
+  const double radius = shape.outer().radius + (shape.origin - pivot).norm() + shape.outer_error();
+  return radius * (sine * sine / (1 + cosine)) * (1 + 1e-8);
 }
 
 }  // namespace encage

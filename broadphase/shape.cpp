@@ -11,86 +11,8 @@
 namespace encage {
 namespace {
 
-constexpr double unit = std::numeric_limits<double>::epsilon();
-
-void check(const TriangleMesh& mesh, const std::string& what) {
-  if (mesh.vertices.rows() > std::numeric_limits<std::int32_t>::max() ||
-      mesh.triangles.rows() > std::numeric_limits<std::int32_t>::max()) {
-    throw Error(what + ": more than 2^31 elements");
-  }
-  for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double x = mesh.vertices(v, axis);
-      const bool in_range = std::abs(x) <= static_cast<double>(std::numeric_limits<float>::max());
-      if (!in_range || static_cast<double>(static_cast<float>(x)) != x) {
-        throw Error(what + ": vertex " + std::to_string(v) + " is not exact in float32");
-      }
-    }
-  }
-  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t v = mesh.triangles(t, k);
-      if (v < 0 || v >= mesh.vertices.rows()) {
-        throw Error(what + ": triangle " + std::to_string(t) + " refers to vertex " + std::to_string(v));
-      }
-    }
-  }
-}
-
-Surface make_surface(const TriangleMesh& mesh) {
-  Surface surface;
-  Bvh tree = build_bvh(mesh);
-  surface.nodes = std::move(tree.nodes);
-  surface.triangles.reserve(tree.order.size());
-  double squared_radius = 0;
-  for (const std::int32_t t : tree.order) {
-    TriangleF triangle;
-    for (int k = 0; k < 3; ++k) {
-      squared_radius = std::max(squared_radius, mesh.corner(t, k).squaredNorm());
-      triangle[k] = mesh.corner(t, k).cast<float>();
-    }
-    surface.triangles.push_back(triangle);
-  }
-  surface.radius = std::sqrt(squared_radius) * (1 + 8 * unit);
-
-  std::vector<std::int32_t> label;
-  triangle_components(mesh, label);
-  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
-    // Labels count up in the order of the first triangles.
-    if (label[t] == static_cast<std::int32_t>(surface.component_points.size())) {
-      surface.component_points.emplace_back(mesh.corner(t, 0).cast<float>());
-    }
-  }
-  surface.closed = is_closed(mesh);
-  return surface;
-}
-
-std::vector<std::array<Eigen::Vector3f, 6>> extreme_vertices(const TriangleMesh& mesh) {
-  std::vector<std::int32_t> label;
-  const int components = triangle_components(mesh, label);
-  std::vector<std::array<Eigen::Vector3f, 6>> extremes(static_cast<std::size_t>(components));
-  std::vector<bool> seen(extremes.size(), false);
-  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
-    auto& mine = extremes[label[t]];
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3f v = mesh.corner(t, k).cast<float>();
-      if (!seen[label[t]]) mine.fill(v);
-      seen[label[t]] = true;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (v[axis] < mine[2 * axis][axis]) mine[2 * axis] = v;
-        if (v[axis] > mine[2 * axis + 1][axis]) mine[2 * axis + 1] = v;
-      }
-    }
-  }
-  return extremes;
-}
-
-}  // namespace
-
-ShapePtr make_shape(const CageHierarchy& hierarchy) {
-  if (hierarchy.levels.empty() && hierarchy.fine.triangles.rows() == 0) {
-    throw Error("hierarchy has neither cages nor a fine mesh");
-  }
+/// Everything but the surfaces; what a reader has checked holds for hierarchies made otherwise, too.
+std::shared_ptr<Shape> describe(const CageHierarchy& hierarchy) {
   if (hierarchy.levels.size() > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
   if (!hierarchy.origin.allFinite()) throw Error("hierarchy: the origin is not finite");
   if (!(hierarchy.fine_error >= 0) || std::isinf(hierarchy.fine_error)) {
@@ -100,24 +22,88 @@ ShapePtr make_shape(const CageHierarchy& hierarchy) {
   shape->origin = hierarchy.origin;
   shape->solid = hierarchy.solid;
   shape->fine_error = hierarchy.fine_error;
-  check(hierarchy.fine, "fine mesh");
-  shape->fine = make_surface(hierarchy.fine);
-  shape->extremes = extreme_vertices(hierarchy.fine);
-  for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
-    const TriangleMesh& cage = hierarchy.levels[k].mesh;
-    const std::string what = "cage " + std::to_string(k);
-    if (cage.triangles.rows() == 0) throw Error(what + ": no triangles");
-    check(cage, what);
-    shape->cages.push_back(make_surface(cage));
-    if (!shape->cages.back().closed) throw Error(what + ": not closed");
+  return shape;
+}
+
+void add_cage(Shape& shape, const MeshArraysView& arrays) {
+  shape.cages.emplace_back(arrays);
+  shape.radius = std::max(shape.radius, shape.cages.back().radius);
+  if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
+}
+
+void set_fine(Shape& shape, const MeshArraysView& arrays) {
+  shape.fine = Surface(arrays);
+  shape.radius = std::max(shape.radius, shape.fine.radius);
+}
+
+MeshArraysView keep(Shape& shape, MeshArrays arrays) {
+  return shape.owned_arrays.emplace_back(std::move(arrays)).view();
+}
+
+}  // namespace
+
+Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
+  double squared = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    squared = std::max(squared, vertex(static_cast<std::int32_t>(v)).squaredNorm());
   }
+  radius = std::sqrt(squared) * (1 + 8 * std::numeric_limits<double>::epsilon());
+  closed = std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.closed == 1; });
+  const WideNode& root = tree.nodes[0];
+  for (int axis = 0; axis < 3; ++axis) {
+    lower[axis] = root.lower[axis][0];
+    upper[axis] = root.upper[axis][0];
+    for (int lane = 1; lane < WideNode::width && root.count[lane] != WideNode::unused; ++lane) {
+      lower[axis] = std::min(lower[axis], root.lower[axis][lane]);
+      upper[axis] = std::max(upper[axis], root.upper[axis][lane]);
+    }
+  }
+}
+
+ShapePtr make_shape(const CageHierarchy& hierarchy) {
+  if (hierarchy.levels.empty() && hierarchy.fine.triangles.rows() == 0) {
+    throw Error("hierarchy has neither cages nor a fine mesh");
+  }
+  const auto shape = describe(hierarchy);
+  if (hierarchy.fine.triangles.rows() > 0) {
+    set_fine(*shape, keep(*shape, make_mesh_arrays(hierarchy.fine, "fine mesh")));
+  }
+  for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
+    add_cage(*shape, keep(*shape, make_mesh_arrays(hierarchy.levels[k].mesh, cage_name(k))));
+  }
+  return shape;
+}
+
+ShapePtr load_shape(const std::filesystem::path& file) {
+  AssetView view(file, Verify::cages);
+  const auto fine = view.fine();
+  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
+  const auto shape = describe(view.description());
+  for (const AssetSection& section : view.sections()) {
+    if (section.kind == SectionKind::fine) view.verify_hash(section);
+  }
+  try {
+    // Assets from before trees were stored have none.
+    const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
+    if (!finest) return make_shape(copy_hierarchy(view));
+    if (fine) set_fine(*shape, *finest);
+    for (std::size_t k = 0; k < view.description().levels.size(); ++k) {
+      const auto arrays = view.cage_arrays(k);
+      if (!arrays) throw Error(cage_name(k) + ": no stored tree");
+      add_cage(*shape, *arrays);
+    }
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    throw Error(message.starts_with(file.string()) ? message : file.string() + ": " + message);
+  }
+  shape->asset.emplace(std::move(view));
   return shape;
 }
 
 int level_count(const Shape& shape) noexcept { return static_cast<int>(shape.cages.size()); }
 
 std::int64_t level_triangles(const Shape& shape, int level) noexcept {
-  return static_cast<std::int64_t>(shape.cages[level].triangles.size());
+  return static_cast<std::int64_t>(shape.cages[level].mesh.triangles.size());
 }
 
 }  // namespace encage

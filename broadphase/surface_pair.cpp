@@ -1,115 +1,82 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/surface_pair.h"
 
-#include "broadphase/triangle_pair.h"
+#include "broadphase/box_gate.h"
 
 #include <cmath>
 
 namespace encage {
 namespace {
 
-using Vector = Eigen::Vector3d;
+/// Tests the triangles of pairs of leaves.
+struct LeafTest {
+  const Surface& a;
+  const Surface& b;
+  const PairMotion& motion;
+  double distance;
+  Effort effort;
+  VisitTriangles visit;
+  void* context;
 
-struct CentredBox {
-  Vector centre, half;
-
-  explicit CentredBox(const BvhNode& node) {
-    for (int k = 0; k < 3; ++k) {
-      const double lower = node.lower[k], upper = node.upper[k];
-      centre[k] = 0.5 * (lower + upper);
-      half[k] = 0.5 * (upper - lower);
-    }
+  bool apart(const MovingTriangle& ta, const MovingTriangle& tb) const {
+    if (effort == Effort::quick) return quickly_apart(ta, tb, distance);
+    if (motion.at_rest) return triangles_apart(ta.start, tb.start, distance);
+    return quickly_apart(ta, tb, distance) || moving_triangles_apart(ta, tb, distance);
   }
-};
 
-class PairTest {
- public:
-  PairTest(const Surface& a, const Surface& b, const PairFrame& frame, double distance)
-      : a_(a), b_(b), frame_(frame), magnitude_(frame.rotation.cwiseAbs()), distance_(distance) {}
-
-  bool apart() const {
-    struct Pair {
-      std::int32_t a, b;
-    };
-    // A pair of nodes leaves at most one sibling pair behind per level of either tree.
-    std::array<Pair, 2 * Bvh::max_depth + 2> stack;
-    int size = 0;
-    stack[size++] = {0, 0};
-    while (size > 0) {
-      const Pair pair = stack[--size];
-      const BvhNode& na = a_.nodes[pair.a];
-      const BvhNode& nb = b_.nodes[pair.b];
-      const CentredBox box_a(na), box_b(nb);
-      if (boxes_apart(box_a, box_b)) continue;
-      if (na.leaf() && nb.leaf()) {
-        if (!leaves_apart(na, nb)) return false;
-      } else if (nb.leaf() || (!na.leaf() && box_a.half.squaredNorm() >= box_b.half.squaredNorm())) {
-        stack[size++] = {na.first + 1, pair.b};
-        stack[size++] = {na.first, pair.b};
-      } else {
-        stack[size++] = {pair.a, nb.first + 1};
-        stack[size++] = {pair.a, nb.first};
+  bool leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) const {
+    std::array<MovingTriangle, WideTree::leaf_size> moved;
+    for (std::int32_t i = 0; i < count_a; ++i) moved[i] = moving_triangle(a, motion.a, a.tree.leaves[first_a + i]);
+    for (std::int32_t j = first_b; j < first_b + count_b; ++j) {
+      const MovingTriangle tb = moving_triangle(b, motion.b, b.tree.leaves[j]);
+      for (std::int32_t i = 0; i < count_a; ++i) {
+        if (apart(moved[i], tb)) continue;
+        if (!visit(context, a.tree.leaves[first_a + i].triangle, b.tree.leaves[j].triangle)) return false;
       }
     }
     return true;
   }
-
- private:
-  // Separating axes of two oriented boxes (Gottschalk, Lin, Manocha 1996). The
-  // products of two edges are not normalised: they are no longer than 1, so that
-  // asking for the whole distance is safe, also when they vanish.
-  bool boxes_apart(const CentredBox& a, const CentredBox& b) const {
-    const Eigen::Matrix3d& r = frame_.rotation;
-    const Eigen::Matrix3d& m = magnitude_;
-    const Vector t = r * b.centre + frame_.translation - a.centre;
-    for (int i = 0; i < 3; ++i) {
-      const double reach = a.half[i] + (m(i, 0) * b.half[0] + m(i, 1) * b.half[1] + m(i, 2) * b.half[2]);
-      if (std::abs(t[i]) - reach > distance_) return true;
-    }
-    for (int j = 0; j < 3; ++j) {
-      const double reach = (m(0, j) * a.half[0] + m(1, j) * a.half[1] + m(2, j) * a.half[2]) + b.half[j];
-      const double offset = t[0] * r(0, j) + t[1] * r(1, j) + t[2] * r(2, j);
-      if (std::abs(offset) - reach > distance_) return true;
-    }
-    for (int i = 0; i < 3; ++i) {
-      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-      for (int j = 0; j < 3; ++j) {
-        const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-        const double reach =
-            (a.half[i1] * m(i2, j) + a.half[i2] * m(i1, j)) + (b.half[j1] * m(i, j2) + b.half[j2] * m(i, j1));
-        const double offset = t[i2] * r(i1, j) - t[i1] * r(i2, j);
-        if (std::abs(offset) - reach > distance_) return true;
-      }
-    }
-    return false;
-  }
-
-  bool leaves_apart(const BvhNode& na, const BvhNode& nb) const {
-    for (std::int32_t j = nb.first; j < nb.first + nb.count; ++j) {
-      const TriangleF& triangle = b_.triangles[j];
-      const TriangleD moved = {frame_.map(triangle[0]), frame_.map(triangle[1]), frame_.map(triangle[2])};
-      for (std::int32_t i = na.first; i < na.first + na.count; ++i) {
-        const TriangleF& still = a_.triangles[i];
-        if (!triangles_apart({still[0].cast<double>(), still[1].cast<double>(), still[2].cast<double>()}, moved,
-                             distance_)) {
-          return false;
-        }
-      }
-    }
-    return true;
-  }
-
-  const Surface& a_;
-  const Surface& b_;
-  const PairFrame& frame_;
-  Eigen::Matrix3d magnitude_;
-  double distance_;
 };
 
 }  // namespace
 
-bool surfaces_apart(const Surface& a, const Surface& b, const PairFrame& frame, double distance) noexcept {
-  return PairTest(a, b, frame, distance).apart();
+MovingTriangle moving_triangle(const Surface& surface, const std::array<AffineMap, 2>& maps,
+                               const LeafTriangle& triangle) noexcept {
+  MovingTriangle moved;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d x = surface.vertex(triangle.vertices[k]);
+    moved.start[k] = maps[0](x);
+    moved.end[k] = maps[1](x);
+  }
+  return moved;
+}
+
+bool balls_apart(const Surface& a, const Surface& b, const PairMotion& motion, double distance) noexcept {
+  const Eigen::Vector3d start = motion.b[0].offset - motion.a[0].offset, end = motion.b[1].offset - motion.a[1].offset;
+  const Eigen::Vector3d axis = start + end;
+  // Twice: room for rounding of the radii's images; what it costs is nothing.
+  const double required = (a.radius + b.radius) * (1 + 1e-8) + 2 * distance;
+  const double scaled = axis.norm() * required;
+  return scaled > 1e-280 && axis.dot(start) > scaled && axis.dot(end) > scaled;
+}
+
+bool visit_near_triangles(const Surface& a, const Surface& b, const PairMotion& motion, double distance, Effort effort,
+                          VisitTriangles visit, void* context) noexcept {
+  const BoxGate gate(motion, a.radius, b.radius, distance);
+  LeafTest test{a, b, motion, distance, effort, visit, context};
+  return visit_leaf_pairs(
+      a.tree, b.tree, gate,
+      [](void* leaf_test, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
+        return static_cast<const LeafTest*>(leaf_test)->leaves(first_a, count_a, first_b, count_b);
+      },
+      &test);
+}
+
+bool surfaces_apart(const Surface& a, const Surface& b, const PairMotion& motion, double distance) noexcept {
+  const auto stop = [](void*, std::int32_t, std::int32_t) { return false; };
+  return visit_intervals(a, b, motion, distance, [&](double t0, double t1) {
+    return visit_near_triangles(a, b, motion.part(t0, t1), distance, Effort::full, stop, nullptr);
+  });
 }
 
 }  // namespace encage

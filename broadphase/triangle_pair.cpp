@@ -11,17 +11,39 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-bool axis_separates(const Vector& n, const TriangleD& a, const TriangleD& b, double distance) {
-  // Below these, underflow could have entered the norm or the projections.
-  const double squared = n.squaredNorm();
-  if (!(squared > 1e-280)) return false;
-  const double required = std::sqrt(squared) * distance;
-  if (!(required > 1e-290)) return false;
+/// Whether b lies beyond a along n, by more than `required`.
+bool beyond(const Vector& n, const TriangleD& a, const TriangleD& b, double required) {
   const double a0 = n.dot(a[0]), a1 = n.dot(a[1]), a2 = n.dot(a[2]);
   const double b0 = n.dot(b[0]), b1 = n.dot(b[1]), b2 = n.dot(b[2]);
-  return std::min({b0, b1, b2}) - std::max({a0, a1, a2}) > required ||
-         std::min({a0, a1, a2}) - std::max({b0, b1, b2}) > required;
+  return std::min({b0, b1, b2}) - std::max({a0, a1, a2}) > required;
 }
+
+/// |n| distance, or infinity where underflow could have entered the norm or the projections.
+double required_on(const Vector& n, double distance) {
+  const double squared = n.squaredNorm();
+  const double required = std::sqrt(squared) * distance;
+  return squared > 1e-280 && required > 1e-290 ? required : std::numeric_limits<double>::infinity();
+}
+
+bool axis_separates(const Vector& n, const TriangleD& a, const TriangleD& b, double distance) {
+  const double required = required_on(n, distance);
+  return beyond(n, a, b, required) || beyond(n, b, a, required);
+}
+
+/// Two motions of which both ends have to be told apart by one axis, in one sense.
+struct Piece {
+  const MovingTriangle& a;
+  const MovingTriangle& b;
+  double distance;
+
+  bool separated_by(const Vector& n) const {
+    const double required = required_on(n, distance);
+    return (beyond(n, a.start, b.start, required) && beyond(n, a.end, b.end, required)) ||
+           (beyond(n, b.start, a.start, required) && beyond(n, b.end, a.end, required));
+  }
+};
+
+TriangleD middle(const MovingTriangle& t) { return {t.corner(0, 0.5), t.corner(1, 0.5), t.corner(2, 0.5)}; }
 
 /// From a closest point of segment p0 p1 to one of segment q0 q1, up to rounding.
 Vector closest_difference(const Vector& p0, const Vector& p1, const Vector& q0, const Vector& q1) {
@@ -39,16 +61,15 @@ Vector closest_difference(const Vector& p0, const Vector& p1, const Vector& q0, 
   return (q0 + t * v) - (p0 + s * u);
 }
 
-}  // namespace
-
-bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept {
+/// Calls separates(axis) for the axes that suffice for triangles at rest, until one does.
+template <class Separates>
+bool any_axis(const TriangleD& a, const TriangleD& b, Separates&& separates) {
   const std::array<Vector, 3> ea = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
   const std::array<Vector, 3> eb = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
-  if (axis_separates(ea[0].cross(ea[1]), a, b, distance)) return true;
-  if (axis_separates(eb[0].cross(eb[1]), a, b, distance)) return true;
+  if (separates(ea[0].cross(ea[1])) || separates(eb[0].cross(eb[1]))) return true;
   for (const Vector& u : ea) {
     for (const Vector& v : eb) {
-      if (axis_separates(u.cross(v), a, b, distance)) return true;
+      if (separates(u.cross(v))) return true;
     }
   }
   Vector direction = Vector::Zero();
@@ -63,7 +84,44 @@ bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) no
       }
     }
   }
-  return axis_separates(direction, a, b, distance);
+  return separates(direction);
+}
+
+constexpr int longest_bisection = 8;  // halvings of a motion
+
+bool apart_in(const MovingTriangle& a, const MovingTriangle& b, double distance, int depth) {
+  const Piece piece{a, b, distance};
+  const TriangleD middle_a = middle(a), middle_b = middle(b);
+  const auto separates = [&](const Vector& n) { return piece.separated_by(n); };
+  if (separates(middle_b[0] + middle_b[1] + middle_b[2] - (middle_a[0] + middle_a[1] + middle_a[2]))) return true;
+  if (any_axis(middle_a, middle_b, separates)) return true;
+  // Nothing that is too near in the middle becomes separable by shorter intervals.
+  if (depth == longest_bisection || !triangles_apart(middle_a, middle_b, distance)) return false;
+  return apart_in({a.start, middle_a}, {b.start, middle_b}, distance, depth + 1) &&
+         apart_in({middle_a, a.end}, {middle_b, b.end}, distance, depth + 1);
+}
+
+}  // namespace
+
+bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept {
+  return any_axis(a, b, [&](const Vector& n) { return axis_separates(n, a, b, distance); });
+}
+
+bool quickly_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept {
+  const Piece piece{a, b, distance};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (piece.separated_by(Vector::Unit(axis))) return true;
+  }
+  const TriangleD middle_a = middle(a), middle_b = middle(b);
+  if (piece.separated_by(middle_b[0] + middle_b[1] + middle_b[2] - (middle_a[0] + middle_a[1] + middle_a[2]))) {
+    return true;
+  }
+  return piece.separated_by((middle_a[1] - middle_a[0]).cross(middle_a[2] - middle_a[0])) ||
+         piece.separated_by((middle_b[1] - middle_b[0]).cross(middle_b[2] - middle_b[0]));
+}
+
+bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept {
+  return apart_in(a, b, distance, 0);
 }
 
 }  // namespace encage

@@ -8,6 +8,13 @@ namespace encage {
 
 using TriangleD = std::array<Eigen::Vector3d, 3>;
 
+/// A triangle whose corners move linearly between two places.
+struct MovingTriangle {
+  TriangleD start, end;
+
+  Eigen::Vector3d corner(int k, double t) const { return (1 - t) * start[k] + t * end[k]; }
+};
+
 /// True only if some axis separates the projections of the triangles by more
 /// than `distance` > 0. Any axis gives a sound proof, whatever rounding did to
 /// it; `distance` has to cover the rounding of projections (4 eps times the
@@ -15,5 +22,14 @@ using TriangleD = std::array<Eigen::Vector3d, 3>;
 /// exact arithmetic: whichever features are closest, face and vertex, two
 /// edges, or edge ends, their direction is among them. Degenerate triangles are allowed.
 bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept;
+
+/// Quick and one-sided: true only if the triangles stay farther apart than `distance` while they move, by an axis
+/// of the world or one of few that suit the middle of the motion.
+bool quickly_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept;
+
+/// True only if the triangles stay farther apart than `distance` > 0 while they
+/// move. Cuts time into halves, 2^-8 at the shortest, and looks for one axis
+/// for each piece that separates both its ends, hence all between. `distance` covers rounding as above.
+bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept;
 
 }  // namespace encage

@@ -37,6 +37,8 @@ void check_mesh(const MeshView& mesh, const std::string& place);
 /// `cap_count` does not exceed the triangles of the fine mesh, if there is one.
 void check_caps(std::int64_t cap_count, std::int64_t fine_triangles, const std::string& file);
 
+/// Of the fine mesh, in names of sections.
+inline constexpr const char* fine_name = "source";
 /// "cage 1" is the finest.
 std::string cage_name(std::size_t level);
 

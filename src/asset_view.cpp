@@ -229,8 +229,35 @@ void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
 }
 
 std::optional<MeshView> AssetView::fine() const {
-  if (fine_) check_mesh(*fine_, name_ + ": source");
+  if (fine_) check_mesh(*fine_, name_ + ": " + fine_name);
   return fine_;
+}
+
+std::optional<MeshArraysView> AssetView::cage_arrays(std::size_t level) const {
+  return arrays(cages_[level], cage_name(level));
+}
+
+std::optional<MeshArraysView> AssetView::fine_arrays() const { return arrays(*fine_, fine_name); }
+
+std::optional<MeshArraysView> AssetView::arrays(const MeshView& mesh, const std::string& mesh_name) const {
+  if (!find_section(mesh_name + " nodes")) return std::nullopt;
+  const MeshArraysView view = {mesh,
+                               {array<WideNode>(mesh_name + " nodes"), array<LeafTriangle>(mesh_name + " leaves")},
+                               array<OwnedFeatures>(mesh_name + " owned"),
+                               array<MeshPart>(mesh_name + " parts")};
+  check_arrays(view, name_ + ": " + mesh_name);
+  return view;
+}
+
+template <class T>
+std::span<const T> AssetView::array(const std::string& section_name) const {
+  const AssetSection* section = find_section(section_name);
+  if (!section) throw Error(name_ + ": no section \"" + section_name + "\"");
+  if (section->element_size != sizeof(T)) {
+    throw Error(name_ + ": section \"" + section_name + "\": its elements have " +
+                std::to_string(section->element_size) + " bytes, not " + std::to_string(sizeof(T)));
+  }
+  return elements<T>(*section);
 }
 
 const AssetSection* AssetView::find_section(std::string_view section_name) const {

@@ -13,6 +13,7 @@
 
 #include "src/asset_rules.h"
 #include "src/mapped_file.h"
+#include "src/mesh_arrays.h"
 
 namespace encage {
 
@@ -50,6 +51,11 @@ class AssetView {
   /// time, but does not verify their hashes. Throws Error.
   std::optional<MeshView> fine() const;
 
+  /// Trees and what else queries need, as stored; no value if the asset has none of it. Validates
+  /// the arrays (check_arrays()), in linear time, but does not verify hashes. Throws Error.
+  std::optional<MeshArraysView> cage_arrays(std::size_t level) const;
+  std::optional<MeshArraysView> fine_arrays() const;  ///< of fine(), which must have a value
+
   const std::vector<AssetSection>& sections() const { return sections_; }
   const AssetSection* find_section(std::string_view section_name) const;  ///< null if there is none
   /// Throws Error if the section's bytes do not match its hash.
@@ -58,6 +64,9 @@ class AssetView {
  private:
   class Parser;
   void parse(std::span<const std::byte> bytes, Verify verify);
+  std::optional<MeshArraysView> arrays(const MeshView& mesh, const std::string& mesh_name) const;
+  template <class T>
+  std::span<const T> array(const std::string& section_name) const;
 
   MappedFile map_;
   std::string name_;

@@ -16,6 +16,7 @@
 #include "src/asset_view.h"
 #include "src/atomic_file.h"
 #include "src/hash.h"
+#include "src/mesh_arrays.h"
 
 namespace encage {
 namespace {
@@ -23,36 +24,6 @@ namespace {
 using nlohmann::json;  // sorts its keys
 using Float3 = std::array<float, 3>;
 using Index3 = std::array<std::uint32_t, 3>;
-
-/// Kept apart from the conversion: g++ 12 may drop (double)(float)x on the spot.
-[[gnu::noinline]] void check_exact(const Vertices& vertices, const std::vector<Float3>& rounded,
-                                   const std::string& place) {
-  for (std::size_t v = 0; v < rounded.size(); ++v) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double x = vertices(v, k);
-      if (static_cast<double>(rounded[v][k]) == x || !std::isfinite(x)) continue;
-      char text[32];
-      std::snprintf(text, sizeof text, "%.17g", x);
-      throw Error(place + ": vertex " + std::to_string(v) + ": " + text + " is not exact in float32");
-    }
-  }
-}
-
-[[gnu::noinline]] std::vector<Float3> to_float(const Vertices& vertices) {
-  std::vector<Float3> rounded(static_cast<std::size_t>(vertices.rows()));
-  for (std::size_t v = 0; v < rounded.size(); ++v) {
-    for (std::size_t k = 0; k < 3; ++k) rounded[v][k] = static_cast<float>(vertices(v, k));
-  }
-  return rounded;
-}
-
-std::vector<Index3> to_unsigned(const Triangles& triangles) {
-  std::vector<Index3> indices(static_cast<std::size_t>(triangles.rows()));
-  for (std::size_t t = 0; t < indices.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) indices[t][k] = static_cast<std::uint32_t>(triangles(t, k));
-  }
-  return indices;
-}
 
 json certificate_json(const Certificate& c) {
   json level = {{"clearance", c.clearance}, {"volume", c.volume}, {"components", c.components},
@@ -74,7 +45,7 @@ class Encoder {
     json levels = json::array();
     json extension = describe();
     if (hierarchy_.fine.triangles.rows() > 0) {
-      extension["fine_mesh"] = add_mesh(hierarchy_.fine, SectionKind::fine, "source");
+      extension["fine_mesh"] = add_mesh(hierarchy_.fine, SectionKind::fine, fine_name);
     }
     for (std::size_t i = 0; i < hierarchy_.levels.size(); ++i) {
       levels.push_back(certificate_json(hierarchy_.levels[i].certificate));
@@ -87,7 +58,7 @@ class Encoder {
   }
 
  private:
-  /// Before anything large is allocated.
+  /// Before anything large is allocated; a lower bound.
   void check_size() const {
     std::uint64_t size = mesh_size(hierarchy_.fine) + seal_size;
     for (const CageLevel& level : hierarchy_.levels) size += mesh_size(level.mesh);
@@ -96,7 +67,7 @@ class Encoder {
 
   static std::uint64_t mesh_size(const TriangleMesh& mesh) {
     return align_up(static_cast<std::uint64_t>(mesh.vertices.rows()) * sizeof(Float3)) +
-           align_up(static_cast<std::uint64_t>(mesh.triangles.rows()) * sizeof(Index3));
+           align_up(static_cast<std::uint64_t>(mesh.triangles.rows()) * (sizeof(Index3) + sizeof(LeafTriangle)));
   }
 
   json describe() const {
@@ -120,10 +91,9 @@ class Encoder {
   /// Appends the arrays of a mesh, its accessors and its node; returns its index.
   std::size_t add_mesh(const TriangleMesh& mesh, SectionKind kind, const std::string& mesh_name) {
     const std::string place = file_ + ": " + mesh_name;
-    const std::vector<Float3> vertices = to_float(mesh.vertices);
-    const std::vector<Index3> triangles = to_unsigned(mesh.triangles);
-    check_exact(mesh.vertices, vertices, place);
-    check_mesh({vertices, triangles}, place);
+    const MeshArrays arrays = make_mesh_arrays(mesh, place);
+    const std::vector<Float3>& vertices = arrays.vertices;
+    const std::vector<Index3>& triangles = arrays.triangles;
     if (kind == SectionKind::fine) check_caps(hierarchy_.cap_count, mesh.triangles.rows(), file_);
 
     constexpr int array_buffer = 34962, element_array_buffer = 34963;  // glTF 2.0, bufferView.target
@@ -146,6 +116,10 @@ class Encoder {
                           {"componentType", uint32},
                           {"count", triangles.size() * 3},
                           {"type", "SCALAR"}});
+    add_section(arrays.tree.nodes, kind, mesh_name + " nodes");
+    add_section(arrays.tree.leaves, kind, mesh_name + " leaves");
+    add_section(arrays.owned, kind, mesh_name + " owned");
+    add_section(arrays.parts, kind, mesh_name + " parts");
     json primitive = {{"attributes", {{"POSITION", accessor}}}, {"indices", accessor + 1}, {"mode", triangle_mode}};
     if (kind == SectionKind::cage) primitive["material"] = 0;
     meshes_.push_back({{"name", mesh_name}, {"primitives", json::array({std::move(primitive)})}});
@@ -154,13 +128,14 @@ class Encoder {
     return index;
   }
 
-  /// Appends an array at the next aligned place; returns its buffer view.
+  /// Appends an array at the next aligned place; returns its buffer view. Target 0: nothing that glTF knows.
   template <class T>
   std::size_t add_section(const std::vector<T>& elements, SectionKind kind, const std::string& section_name,
-                          int target) {
+                          int target = 0) {
     const std::span<const std::byte> bytes = std::as_bytes(std::span(elements));
     const std::size_t index = views_.size();
-    views_.push_back({{"buffer", 0}, {"byteLength", bytes.size()}, {"byteOffset", bin_.size()}, {"target", target}});
+    views_.push_back({{"buffer", 0}, {"byteLength", bytes.size()}, {"byteOffset", bin_.size()}});
+    if (target != 0) views_.back()["target"] = target;
     sections_.push_back({{"bufferView", index},
                          {"element_size", sizeof(T)},
                          {"hash", to_string(hash_bytes(bytes))},

@@ -78,20 +78,18 @@ class PairContact {
   /// Contacts that begin later cannot change the result.
   double latest() const noexcept { return first_ ? first_->time : options_.latest; }
 
-  /// Pairs of features asked so far, and those of them that needed more than one axis.
+  /// Pairs of features asked so far.
   std::int64_t feature_tests() const noexcept { return feature_tests_; }
 
  private:
-  struct Frame {
-    Eigen::Matrix3d linear;
-    Eigen::Vector3d offset;
-  };
+  void consider(ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices) noexcept;
+
   const Shape& a_;
   const Shape& b_;
   ContactOptions options_;
-  Eigen::Isometry3d world_;                  // from the frame of the computation
-  Frame start_a_, end_a_, start_b_, end_b_;  // local frames to the frame of the computation
-  double required_ = 0;                      // distance that proves absence of contact, rounding included
+  Motion motion_a_;
+  std::array<Eigen::Affine3d, 2> ends_a_, ends_b_;  // local frames to the frame of the computation, start and end
+  double required_ = 0;                             // distance that proves absence of contact, rounding included
   std::optional<Contact> first_;
   std::int64_t feature_tests_ = 0;
 };

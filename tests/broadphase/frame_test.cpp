@@ -93,7 +93,7 @@ TEST_F(Frames, RequiredDistanceCoversTheRoundingOfFrames) {
       for (std::int64_t v = 0; v < s.hierarchy.fine.vertices.rows(); ++v) {
         const Vector x = s.hierarchy.fine.vertices.row(v).transpose();
         const VectorL y = a.linear().cast<long double>().transpose() * (world(s, b, x) - world(s, a, Vector::Zero()));
-        const Vector error = (frame.map(x.cast<float>()).cast<long double>() - y).cast<double>();
+        const Vector error = (frame.map(x).cast<long double>() - y).cast<double>();
         worst = std::max(worst, error.norm() / distance);
       }
     }

@@ -45,7 +45,7 @@ TEST(Shape, CountsItsLevels) {
   const ShapePtr shape = make_shape(hierarchy());
   EXPECT_EQ(level_count(*shape), 2);
   EXPECT_EQ(level_triangles(*shape, 0), 4);
-  EXPECT_EQ(shape->fine.component_points.size(), 1u);
+  EXPECT_EQ(shape->fine.parts.size(), 1u);
   EXPECT_TRUE(shape->fine.closed);
   EXPECT_GE(shape->cages[1].radius, 2 * std::sqrt(3.0));
 }
@@ -57,18 +57,18 @@ TEST(Shape, RefusesMalformedHierarchies) {
   EXPECT_EQ(message([](CageHierarchy& h) { h.levels.clear(); }), "accepted");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine = {}, h.levels.clear(); }),
             "hierarchy has neither cages nor a fine mesh");
-  EXPECT_EQ(message([](CageHierarchy& h) { h.levels[1].mesh = {}; }), "cage 1: no triangles");
+  EXPECT_EQ(message([](CageHierarchy& h) { h.levels[1].mesh = {}; }), "cage 2: no triangles");
   EXPECT_EQ(message([](CageHierarchy& h) { h.levels[0].mesh.triangles.conservativeResize(3, 3); }),
-            "cage 0: not closed");
+            "cage 1: not closed");
   EXPECT_EQ(message([](CageHierarchy& h) { h.levels[0].mesh.vertices(2, 1) = nan; }),
-            "cage 0: vertex 2 is not exact in float32");
+            "cage 1: vertex 2: not finite");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.vertices(3, 0) = 0.1; }),
-            "fine mesh: vertex 3 is not exact in float32");
+            "fine mesh: vertex 3: 0.10000000000000001 is not exact in float32");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.vertices(3, 0) = 1e60; }),
-            "fine mesh: vertex 3 is not exact in float32");
-  EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = 4; }), "fine mesh: triangle 1 refers to vertex 4");
+            "fine mesh: vertex 3: 1e+60 is not exact in float32");
+  EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = 4; }), "fine mesh: triangle 1: index 4 is out of range, there are 4 vertices");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = -1; }),
-            "fine mesh: triangle 1 refers to vertex -1");
+            "fine mesh: triangle 1: index 4294967295 is out of range, there are 4 vertices");
   EXPECT_EQ(message([](CageHierarchy& h) { h.origin.y() = nan; }), "hierarchy: the origin is not finite");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine_error = -1; }), "hierarchy: fine_error is not a finite distance");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine_error = nan; }), "hierarchy: fine_error is not a finite distance");

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/feature_pair.h"
+#include "broadphase/frame.h"
+#include "broadphase/plane_check.h"
+#include "broadphase/surface_pair.h"
+
+#include <encage/contact.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+AffineMap affine(const Eigen::Affine3d& map) { return {map.linear(), map.translation()}; }
+Eigen::Affine3d affine(const AffineMap& map) {
+  Eigen::Affine3d result = Eigen::Affine3d::Identity();
+  result.linear() = map.linear;
+  result.translation() = map.offset;
+  return result;
+}
+
+Vector at(const MovingPoints& points, std::size_t i, double t) { return (1 - t) * points.start[i] + t * points.end[i]; }
+
+auto rank(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
+
+/// Barycentric coordinates of the projection of p to the plane of a, b, c, clamped to the triangle and up to rounding.
+Vector weights_in_triangle(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
+  const Vector n = (b - a).cross(c - a);
+  const double squared = n.squaredNorm();
+  if (!(squared > 0)) return {1, 0, 0};
+  Vector w((c - b).cross(p - b).dot(n), (a - c).cross(p - c).dot(n), (b - a).cross(p - a).dot(n));
+  w = w.cwiseMax(0.0);
+  const double sum = w.sum();
+  return sum > 0 ? Vector(w / sum) : Vector(1, 0, 0);
+}
+
+/// Parameters along p0 p1 and q0 q1 of the closest points of the two edges, up to rounding.
+std::pair<double, double> parameters_on_edges(const Vector& p0, const Vector& p1, const Vector& q0, const Vector& q1) {
+  const Vector u = p1 - p0, v = q1 - q0, w = p0 - q0;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
+  const auto ratio = [](double numerator, double denominator) {
+    return denominator > 0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0.0;
+  };
+  double s = ratio(uv * vw - vv * uw, uu * vv - uv * uv);
+  const double t = ratio(uv * s + vw, vv);
+  s = ratio(uv * t - uw, uu);
+  return {s, t};
+}
+
+/// Where and in which direction two features meet, in the common frame.
+struct Meeting {
+  Vector on_a, on_b;  ///< at the time of contact
+  Vector path;        ///< of a's point relative to b's during the step
+  Vector normal;      ///< of the features, any length and sign
+};
+
+/// The vertex points[0] against the face of the others; `vertex_is_a`: it belongs to a.
+Meeting meet_vertex_face(const MovingPoints& points, double t, bool vertex_is_a) {
+  const Vector p = at(points, 0, t), a = at(points, 1, t), b = at(points, 2, t), c = at(points, 3, t);
+  const Vector w = weights_in_triangle(p, a, b, c);
+  const auto moved = [&](std::size_t i) -> Vector { return points.end[i] - points.start[i]; };
+  const Vector on_face = w[0] * a + w[1] * b + w[2] * c;
+  const Vector path = moved(0) - (w[0] * moved(1) + w[1] * moved(2) + w[2] * moved(3));
+  const Vector normal = (b - a).cross(c - a);
+  return vertex_is_a ? Meeting{p, on_face, path, normal} : Meeting{on_face, p, -path, normal};
+}
+
+/// The edge points[0] points[1] of a against points[2] points[3] of b.
+Meeting meet_edges(const MovingPoints& points, double t) {
+  const Vector p0 = at(points, 0, t), p1 = at(points, 1, t), q0 = at(points, 2, t), q1 = at(points, 3, t);
+  const auto [s, r] = parameters_on_edges(p0, p1, q0, q1);
+  const auto moved = [&](std::size_t i) -> Vector { return points.end[i] - points.start[i]; };
+  return {p0 + s * (p1 - p0), q0 + r * (q1 - q0),
+          (1 - s) * moved(0) + s * moved(1) - ((1 - r) * moved(2) + r * moved(3)), (p1 - p0).cross(q1 - q0)};
+}
+
+/// Unit normal from b towards a.
+Vector orient(const Meeting& meeting, double margin) {
+  const Vector apart = meeting.on_a - meeting.on_b;
+  // Across a margin the closest points show the direction; in contact their difference is rounding.
+  if (margin > 0 && apart.norm() > 0.5 * margin) return apart.normalized();
+  Vector n = meeting.normal;
+  if (!(n.squaredNorm() > 1e-280)) n = meeting.path;
+  if (!(n.squaredNorm() > 1e-280)) n = apart;
+  if (!(n.squaredNorm() > 1e-280)) return Vector::UnitZ();
+  n.normalize();
+  // a comes from the side that it moves away from.
+  const double along = n.dot(meeting.path);
+  return along > 0 || (along == 0 && n.dot(apart) < 0) ? Vector(-n) : n;
+}
+
+}  // namespace
+
+PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                         const ContactOptions& options) noexcept
+    : a_(a), b_(b), options_(options), motion_a_(motion_a) {
+  assert(!a.fine.empty() && !b.fine.empty() && is_usable(motion_a) && is_usable(motion_b));
+  const PairMotion pair = pair_motion(a, motion_a, b, motion_b);
+  for (std::size_t end = 0; end < 2; ++end) {
+    ends_a_[end] = affine(pair.a[end]);
+    ends_b_[end] = affine(pair.b[end]);
+  }
+  required_ = required_distance(a, motion_a, b, motion_b, options.margin);
+}
+
+void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) noexcept {
+  const auto moving = [](const Surface& surface, const std::array<Eigen::Affine3d, 2>& ends, std::int32_t triangle) {
+    const auto& t = surface.mesh.triangles[triangle];
+    const LeafTriangle leaf = {
+        {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])}, triangle};
+    return std::pair(leaf.vertices, moving_triangle(surface, {affine(ends[0]), affine(ends[1])}, leaf));
+  };
+  const auto [va, ta] = moving(a_.fine, ends_a_, triangle_a);
+  const auto [vb, tb] = moving(b_.fine, ends_b_, triangle_b);
+  const unsigned owned_a = a_.fine.owned[triangle_a], owned_b = b_.fine.owned[triangle_b];
+  const auto sorted = [](std::int32_t x, std::array<std::int32_t, 3> rest) {
+    std::sort(rest.begin(), rest.end());
+    return std::array<std::int32_t, 4>{x, rest[0], rest[1], rest[2]};
+  };
+  for (unsigned i = 0; i < 3; ++i) {
+    if ((owned_a >> i & 1U) != 0) {
+      consider(ContactKind::vertex_face,
+               {{ta.start[i], tb.start[0], tb.start[1], tb.start[2]}, {ta.end[i], tb.end[0], tb.end[1], tb.end[2]}},
+               sorted(va[i], vb));
+    }
+    if ((owned_b >> i & 1U) != 0) {
+      auto ids = sorted(vb[i], va);
+      std::rotate(ids.begin(), ids.begin() + 1, ids.end());
+      consider(ContactKind::face_vertex,
+               {{tb.start[i], ta.start[0], ta.start[1], ta.start[2]}, {tb.end[i], ta.end[0], ta.end[1], ta.end[2]}},
+               ids);
+    }
+  }
+  for (unsigned i = 0; i < 3; ++i) {
+    if ((owned_a >> (3 + i) & 1U) == 0) continue;
+    const unsigned i1 = (i + 1) % 3;
+    for (unsigned j = 0; j < 3; ++j) {
+      if ((owned_b >> (3 + j) & 1U) == 0) continue;
+      const unsigned j1 = (j + 1) % 3;
+      consider(ContactKind::edge_edge,
+               {{ta.start[i], ta.start[i1], tb.start[j], tb.start[j1]}, {ta.end[i], ta.end[i1], tb.end[j], tb.end[j1]}},
+               {std::min(va[i], va[i1]), std::max(va[i], va[i1]), std::min(vb[j], vb[j1]), std::max(vb[j], vb[j1])});
+    }
+  }
+}
+
+void PairContact::consider(ContactKind kind, const MovingPoints& points,
+                           const std::array<std::int32_t, 4>& vertices) noexcept {
+  ++feature_tests_;
+  const Requirement required = {required_, options_.arc, latest()};
+  const auto time =
+      kind == ContactKind::edge_edge ? first_edge_edge(points, required) : first_vertex_face(points, required);
+  if (!time) return;
+  Contact contact;
+  contact.time = *time;
+  contact.kind = kind;
+  contact.vertices = vertices;
+  if (first_ && rank(*first_) <= rank(contact)) return;
+  const Meeting meeting = kind == ContactKind::edge_edge
+                              ? meet_edges(points, *time)
+                              : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
+  // The common frame: a's start orientation, its origin moving with a's.
+  const auto origin = [&](const Eigen::Isometry3d& pose) -> Vector { return pose * a_.origin; };
+  contact.point = motion_a_.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
+                  ((1 - *time) * origin(motion_a_.start) + *time * origin(motion_a_.end));
+  contact.normal = (motion_a_.start.linear() * orient(meeting, options_.margin)).normalized();
+  first_ = contact;
+}
+
+std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                                     const ContactOptions& options) noexcept {
+  const PairMotion motion = pair_motion(a, motion_a, b, motion_b);
+  // What the narrow phase calls a contact must pass the culling, whatever finds the pair: rounding included twice.
+  const double required = 2 * (required_distance(a, motion_a, b, motion_b, options.margin) + options.arc);
+  PairContact narrow(a, motion_a, b, motion_b, options);
+  visit_intervals(a.fine, b.fine, motion, required, [&](double t0, double t1) {
+    if (t0 > narrow.latest()) return false;
+    return visit_near_triangles(
+        a.fine, b.fine, motion.part(t0, t1), required, Effort::quick,
+        [](void* context, std::int32_t triangle_a, std::int32_t triangle_b) {
+          static_cast<PairContact*>(context)->test(triangle_a, triangle_b);
+          return true;
+        },
+        &narrow);
+  });
+  return narrow.first();
+}
+
+std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
+                                     const ContactOptions& options) noexcept {
+  assert(!a.fine.empty() && is_usable(motion_a));
+  const PlaneCheck check(a, motion_a, plane, options.margin, options.arc);
+  if (check.beyond_throughout()) return std::nullopt;
+  std::optional<Contact> first;
+  check.visit_reaching([&](std::int32_t vertex, double time) {
+    if (time > (first ? first->time : options.latest)) return;
+    Contact contact;
+    contact.time = time;
+    contact.kind = ContactKind::vertex_plane;
+    contact.vertices = {vertex, -1, -1, -1};
+    if (first && rank(*first) <= rank(contact)) return;
+    first = contact;
+  });
+  if (!first) return first;
+  const Vector x = a.origin + a.fine.vertex(first->vertices[0]);
+  first->point = (1 - first->time) * (motion_a.start * x) + first->time * (motion_a.end * x);
+  first->normal = plane.normal;
+  return first;
+}
+
+}  // namespace encage
