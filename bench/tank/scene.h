@@ -4,9 +4,10 @@
 #include <encage/broadphase.h>
 #include <encage/error.h>
 
-#include <array>
 #include <cstdint>
 #include <optional>
+#include <random>
+#include <string>
 #include <vector>
 
 #include "bench/tank/rigid_body.h"
@@ -44,9 +45,33 @@ struct SceneOptions {
 /// Throws Error naming the option and the reason; also if the body does not fit into the tank.
 void validate(const SceneOptions& options, const MassProperties& mass);
 
+/// Of the options, or the default for the body.
 double half_width(const SceneOptions& options, const MassProperties& mass) noexcept;
 
 /// Floor, then the walls at -x, +x, -y, +y.
-std::array<HalfSpace, 5> tank_walls(double half_width);
+std::vector<HalfSpace> tank_walls(double half_width);
+
+/// Where the bodies enter: one generator for all, in the order of the bodies.
+class Entries {
+ public:
+  Entries(const SceneOptions& options, const MassProperties& mass);
+
+  /// The next body, at rest with a random orientation: a tenth of a radius above `top`, the highest point of those
+  /// that are in, its centre at least three radii above the floor.
+  BodyState next(double top);
+
+  std::int64_t entry_step(int body) const;
+
+ private:
+  double uniform();
+
+  SceneOptions options_;
+  const MassProperties& mass_;
+  std::mt19937_64 bits_;
+};
+
+/// Factor by which all velocities are multiplied before a step. `mean_kinetic` is the energy per body, `seconds` the
+/// time since the last body entered.
+double velocity_factor(const SceneOptions& options, const MassProperties& mass, double mean_kinetic, double seconds);
 
 }  // namespace encage::tank

@@ -10,10 +10,9 @@
 
 #include "bench/tank/recording.h"
 #include "bench/tank/scene.h"
+#include "bench/tank/velocity_filter.h"
 
 namespace encage::tank {
-
-class Detector;
 
 /// Of all bodies present, in units of unit density (mass = volume).
 struct Energy {
@@ -21,27 +20,17 @@ struct Energy {
   double potential = 0;  ///< above the floor
 };
 
-struct CpuSeconds {
-  double boxes = 0;  ///< world boxes of the steps' motions, and which of them overlap
-  double pairs = 0;  ///< candidates and narrow phase
-  double walls = 0;
-  double integration = 0;  ///< trial poses and impulses
-};
-
 struct Statistics {
   std::int64_t body_steps = 0;
-  std::int64_t held_body_steps = 0;  ///< bodies that stayed where they were because no free motion was found
-  double mean_passes = 0;            ///< detections of a step
-  int most_passes = 0;
-  std::int64_t pair_tests = 0;  ///< pairs handed to the narrow phase
-  std::int64_t wall_tests = 0;
-  std::int64_t contacts = 0;   ///< conflicts that led to impulses
-  std::vector<Energy> energy;  ///< at the end of every step
-  double energy_entered = 0;   ///< of the bodies as they entered
-  double energy_added = 0;     ///< by `bouncing`, and (negative) drained by `resting`
-  double energy_lost = 0;      ///< to restitution, summed over the impulses
-  double energy_drift = 0;     ///< change of the total energy that nothing of the above explains
-  CpuSeconds cpu;
+  /// Sums over the steps; held: body-steps for which no free motion was found.
+  FilterReport filter;
+  std::int64_t most_passes = 0;  ///< detections of a step
+  std::int64_t most_held = 0;    ///< bodies of a step
+  std::vector<Energy> energy;    ///< at the end of every step
+  double energy_entered = 0;     ///< of the bodies as they entered
+  double energy_added = 0;       ///< by `bouncing`; negative: drained by `resting`
+  double energy_lost = 0;        ///< to restitution, summed over the impulses
+  double energy_drift = 0;       ///< change of the total energy that nothing of the above explains
 };
 
 struct Simulation {
@@ -53,7 +42,7 @@ struct Simulation {
 };
 
 struct Context {
-  /// Called a few times a second at least, from the calling thread; fraction in [0,1].
+  /// Called after every step, from the calling thread; fraction in (0,1].
   std::function<void(double fraction)> progress;
   std::atomic<bool>* cancel = nullptr;  ///< may be set from any thread; noticed after the step
 };
