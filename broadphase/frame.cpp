@@ -121,8 +121,9 @@ Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) 
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d n = pose.linear().row(axis).transpose();
     const double offset = n.dot(shape.origin) + pose.translation()[axis];
-    box.max()[axis] = offset + support(surface, n, tolerance) + slack;
-    box.min()[axis] = offset - support(surface, -n, tolerance) - slack;
+    const double farthest = surface.radius * (1 + 1e-8);
+    box.max()[axis] = offset + std::min(support(surface, n, tolerance), farthest) + slack;
+    box.min()[axis] = offset - std::min(support(surface, -n, tolerance), farthest) - slack;
   }
   return box;
 }
