@@ -18,8 +18,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// The eight boxes of a node, or as many as a register holds of them.
 using Lanes = hn::CappedTag<float, WideNode::width>;
 using Register = hn::Vec<Lanes>;
-/// The axes of a gate.
-using Axes = hn::CappedTag<float, BoxGate::axis_lanes>;
+/// Axes of a gate that are tried together: those of the faces and two more, then the rest.
+constexpr int group_size = 8;
+using Axes = hn::CappedTag<float, group_size>;
 
 /// A box of one tree, the `lane` of a node: the node's index times the width, plus the lane.
 using BoxIndex = std::int32_t;
@@ -38,20 +39,22 @@ struct Box {
   float size() const { return half[0] * half[0] + half[1] * half[1] + half[2] * half[2]; }
 };
 
-/// One box on all axes.
+/// One box on a group of axes.
 struct Projection {
-  alignas(64) std::array<BoxGate::PerAxis, 2> centre;  ///< [end][axis]
-  alignas(64) std::array<BoxGate::PerAxis, 2> reach;   ///< [end][axis]; what separation requires, added
+  using Group = std::array<float, group_size>;
+  alignas(32) std::array<Group, 2> centre;  ///< [end][axis]
+  alignas(32) std::array<Group, 2> reach;   ///< [end][axis]; what separation requires, added
 
-  Projection(const BoxGate& gate, const BoxGate::Side& side, const Box& box) {
+  Projection(const BoxGate& gate, const BoxGate::Side& side, int ends, int first, const Box& box) {
     const Axes d;
-    for (int end = 0; end < gate.ends; ++end) {
-      for (std::size_t k = 0; k < BoxGate::axis_lanes; k += hn::Lanes(d)) {
-        auto c = hn::Load(d, &side.offset[end][k]);
+    for (int end = 0; end < ends; ++end) {
+      for (std::size_t k = 0; k < group_size; k += hn::Lanes(d)) {
+        const std::size_t axis_index = static_cast<std::size_t>(first) + k;
+        auto c = hn::Load(d, &side.offset[end][axis_index]);
         auto r = hn::Set(d, gate.gap);
         for (int axis = 0; axis < 3; ++axis) {
-          c = hn::Add(c, hn::Mul(hn::Load(d, &side.direction[end][axis][k]), hn::Set(d, box.centre[axis])));
-          r = hn::Add(r, hn::Mul(hn::Load(d, &side.size[end][axis][k]), hn::Set(d, box.half[axis])));
+          c = hn::Add(c, hn::Mul(hn::Load(d, &side.direction[end][axis][axis_index]), hn::Set(d, box.centre[axis])));
+          r = hn::Add(r, hn::Mul(hn::Load(d, &side.size[end][axis][axis_index]), hn::Set(d, box.half[axis])));
         }
         hn::Store(c, d, &centre[end][k]);
         hn::Store(r, d, &reach[end][k]);
@@ -60,46 +63,75 @@ struct Projection {
   }
 };
 
-/// Bits of the lanes of `node`, boxes of `side`, that are not proven apart from the projected box.
-std::uint32_t near_lanes(const BoxGate& gate, const BoxGate::Side& side, const WideNode& node,
-                         const Projection& other) {
-  const Lanes d;
-  const Register half = hn::Set(d, 0.5F);
-  std::uint32_t result = 0;
-  for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
-    Register c[3], h[3];
+/// The boxes of a node, as many as a register holds, against one box of the other tree.
+class LaneTest {
+ public:
+  LaneTest(const WideNode& node, std::size_t first) {
+    const Lanes d;
+    const Register half = hn::Set(d, 0.5F);
     for (int axis = 0; axis < 3; ++axis) {
       const Register low = hn::LoadU(d, node.lower[axis] + first), high = hn::LoadU(d, node.upper[axis] + first);
-      c[axis] = hn::Mul(half, hn::Add(low, high));
-      h[axis] = hn::Mul(half, hn::Sub(high, low));
+      centre_[axis] = hn::Mul(half, hn::Add(low, high));
+      half_[axis] = hn::Mul(half, hn::Sub(high, low));
     }
-    auto apart = hn::FirstN(d, 0);
-    for (int k = 0; k < BoxGate::axis_count; ++k) {
+  }
+
+  /// Lanes that some axis of the group proves apart.
+  template <int kEnds>
+  auto apart(const BoxGate::Side& side, int own, const Projection& other, int first, int count) const {
+    const Lanes d;
+    auto result = hn::FirstN(d, 0);
+    for (int k = 0; k < count; ++k) {
       // The other box beyond the upper side at all ends, or beyond the lower one. Not by minima: NaN must not vanish.
       auto above = hn::FirstN(d, hn::Lanes(d)), below = above;
-      for (int end = 0; end < gate.ends; ++end) {
-        const auto& u = side.direction[end];
-        const auto& s = side.size[end];
-        const Register centre = hn::Add(hn::Add(hn::Mul(c[0], hn::Set(d, u[0][k])), hn::Mul(c[1], hn::Set(d, u[1][k]))),
-                                        hn::Mul(c[2], hn::Set(d, u[2][k])));
+      for (int end = 0; end < kEnds; ++end) {
+        // At the start of a step a box projects to its own axes as it is.
+        const int axis = first + k - own;
+        const bool trivial = end == 0 && axis >= 0 && axis < 3;
+        const Register centre = trivial ? centre_[axis] : dot(centre_, side.direction[end], first + k);
         const Register reach =
-            hn::Add(hn::Add(hn::Add(hn::Mul(h[0], hn::Set(d, s[0][k])), hn::Mul(h[1], hn::Set(d, s[1][k]))),
-                            hn::Mul(h[2], hn::Set(d, s[2][k]))),
-                    hn::Set(d, other.reach[end][k]));
+            hn::Add(trivial ? half_[axis] : dot(half_, side.size[end], first + k), hn::Set(d, other.reach[end][k]));
         const Register offset = hn::Sub(hn::Set(d, other.centre[end][k]), centre);
         above = hn::And(above, hn::Gt(offset, reach));
         below = hn::And(below, hn::Gt(hn::Neg(offset), reach));
       }
-      apart = hn::Or(apart, hn::Or(above, below));
-      if (hn::AllTrue(d, apart)) break;
+      result = hn::Or(result, hn::Or(above, below));
+      if (hn::AllTrue(d, result)) break;
     }
+    return result;
+  }
+
+ private:
+  static Register dot(const Register (&x)[3], const std::array<BoxGate::PerAxis, 3>& direction, int k) {
+    const Lanes d;
+    return hn::Add(hn::Add(hn::Mul(x[0], hn::Set(d, direction[0][k])), hn::Mul(x[1], hn::Set(d, direction[1][k]))),
+                   hn::Mul(x[2], hn::Set(d, direction[2][k])));
+  }
+
+  Register centre_[3], half_[3];
+};
+
+/// Bits of the lanes of `node`, boxes of `side`, that are not proven apart from `box`, one of `other`.
+template <int kEnds>
+std::uint32_t near_lanes(const BoxGate& gate, const BoxGate::Side& side, const WideNode& node,
+                         const BoxGate::Side& other, const Box& box) {
+  const Lanes d;
+  const hn::RebindToSigned<Lanes> di;
+  // The second group of axes is worth its work only where the first one leaves lanes.
+  const Projection faces(gate, other, kEnds, 0, box);
+  std::uint32_t result = 0;
+  for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
+    const auto used = hn::RebindMask(d, hn::Gt(hn::LoadU(di, node.count + first), hn::Set(di, WideNode::unused)));
+    const LaneTest test(node, first);
+    auto left = hn::AndNot(test.apart<kEnds>(side, side.own, faces, 0, group_size), used);
+    if (hn::AllFalse(d, left)) continue;
+    const Projection crosses(gate, other, kEnds, group_size, box);
+    left = hn::AndNot(test.apart<kEnds>(side, side.own, crosses, group_size, BoxGate::axis_count - group_size), left);
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Not(apart), bits);
+    hn::StoreMaskBits(d, left, bits);
     result |= static_cast<std::uint32_t>(bits[0]) << first;
   }
-  std::uint32_t used = 0;
-  for (int lane = 0; lane < WideNode::width; ++lane) used |= (node.count[lane] >= 0 ? 1U : 0U) << lane;
-  return result & used;
+  return result;
 }
 
 class Traversal {
@@ -139,16 +171,19 @@ class Traversal {
   }
 
   void open_a(std::int32_t node, BoxIndex b) {
-    const Projection projection(gate_, gate_.b, Box(b_, b));
-    push(near_lanes(gate_, gate_.a, a_.nodes[node], projection), [&](int lane) {
+    push(near(gate_.a, a_.nodes[node], gate_.b, Box(b_, b)), [&](int lane) {
       return Pair{node * WideNode::width + lane, b};
     });
   }
   void open_b(BoxIndex a, std::int32_t node) {
-    const Projection projection(gate_, gate_.a, Box(a_, a));
-    push(near_lanes(gate_, gate_.b, b_.nodes[node], projection), [&](int lane) {
+    push(near(gate_.b, b_.nodes[node], gate_.a, Box(a_, a)), [&](int lane) {
       return Pair{a, node * WideNode::width + lane};
     });
+  }
+  std::uint32_t near(const BoxGate::Side& side, const WideNode& node, const BoxGate::Side& other,
+                     const Box& box) const {
+    return gate_.ends == 1 ? near_lanes<1>(gate_, side, node, other, box)
+                           : near_lanes<2>(gate_, side, node, other, box);
   }
   template <class MakePair>
   void push(std::uint32_t lanes, MakePair&& make_pair) {
@@ -179,6 +214,8 @@ namespace encage {
 namespace {
 
 /// Directions in the common frame: the boxes' axes at the start of the interval, and their cross products.
+constexpr int no_own_axes = BoxGate::axis_lanes;
+
 std::array<Eigen::Vector3d, BoxGate::axis_count> axes(const PairMotion& motion) {
   std::array<Eigen::Vector3d, BoxGate::axis_count> all;
   // Normals of the box faces, which a linear map takes to those of its inverse's transpose; motions that
@@ -198,8 +235,10 @@ std::array<Eigen::Vector3d, BoxGate::axis_count> axes(const PairMotion& motion) 
   return all;
 }
 
-void set_side(BoxGate::Side& side, const std::array<AffineMap, 2>& maps, const std::array<AffineMap, 2>& other,
-              const std::array<Eigen::Vector3d, BoxGate::axis_count>& directions, int ends) {
+/// `first`: of the three axes that are the side's own.
+void set_side(BoxGate::Side& side, int first, const std::array<AffineMap, 2>& maps,
+              const std::array<AffineMap, 2>& other, const std::array<Eigen::Vector3d, BoxGate::axis_count>& directions,
+              int ends) {
   side = {};
   for (int end = 0; end < ends; ++end) {
     const Eigen::Vector3d offset = maps[end].offset - other[end].offset;
@@ -212,6 +251,14 @@ void set_side(BoxGate::Side& side, const std::array<AffineMap, 2>& maps, const s
       side.offset[end][k] = static_cast<float>(directions[k].dot(offset));
     }
   }
+  // Exactly, if the body is rigid at the start of the interval: not where a step was cut.
+  bool rigid = true;
+  for (int i = 0; i < 3; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      rigid = rigid && std::abs(side.direction[0][axis][first + i] - (axis == i ? 1.0F : 0.0F)) <= 0x1p-23F;
+    }
+  }
+  side.own = rigid ? first : no_own_axes;
 }
 
 }  // namespace
@@ -219,12 +266,12 @@ void set_side(BoxGate::Side& side, const std::array<AffineMap, 2>& maps, const s
 BoxGate::BoxGate(const PairMotion& motion, double radius_a, double radius_b, double distance)
     : ends(motion.at_rest ? 1 : 2) {
   const auto directions = axes(motion);
-  set_side(a, motion.a, motion.b, directions, ends);
-  set_side(b, motion.b, motion.a, directions, ends);
+  set_side(a, 0, motion.a, motion.b, directions, ends);
+  set_side(b, 3, motion.b, motion.a, directions, ends);
   double offset = 0;
   for (int end = 0; end < ends; ++end) offset = std::max(offset, (motion.b[end].offset - motion.a[end].offset).norm());
-  // 32 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
-  const double required = distance + 0x1p-19 * (radius_a + radius_b + offset) + 0x1p-120;
+  // 64 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
+  const double required = distance + 0x1p-18 * (radius_a + radius_b + offset) + 0x1p-120;
   gap = std::nextafter(static_cast<float>(required), std::numeric_limits<float>::infinity());
 }
 

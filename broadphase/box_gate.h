@@ -23,6 +23,7 @@ struct BoxGate {
     std::array<std::array<PerAxis, 3>, 2> direction;  ///< [end][coordinate][axis]
     std::array<std::array<PerAxis, 3>, 2> size;       ///< absolute values of `direction`
     std::array<PerAxis, 2> offset;                    ///< [end][axis]; of the other side: its negative
+    int own = 0;                                      ///< first of the box's own axes; out of range if it has none
   };
   alignas(64) Side a;
   alignas(64) Side b;
