@@ -150,7 +150,7 @@ World::State::TreeBoxes World::State::tree_boxes(ShapeId shape, const Motion& mo
   const FloatBox tight = FloatBox::around(loose, margin);
   if (options.is_static) return {tight, tight};
   // A body is expected to go on as it does now.
-  constexpr double steps_ahead = 4, slack = 0.05;
+  constexpr double steps_ahead = 4, slack = 0.1;
   const Eigen::AlignedBox3d& box = shapes_[number(shape)].box;
   const Eigen::Vector3d ahead = steps_ahead * displacement(box, motion);
   Eigen::AlignedBox3d predicted = loose;

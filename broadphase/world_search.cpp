@@ -152,6 +152,7 @@ Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept 
   const Body& a = bodies_[first(pair)];
   const Shape& shape_a = *shapes_[static_cast<std::uint32_t>(a.shape)].shape;
   options.margin = margin_of(pair, options.margin);
+  options.boxes = false;  // boxes_are_apart() has
   if (has_half_space(pair)) {
     return separated(shape_a, a.motion, planes_[second(pair) & ~half_space_bit].half_space, options.margin);
   }
