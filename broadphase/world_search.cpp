@@ -119,7 +119,7 @@ bool World::State::is_current(const Pair& pair) const noexcept {
   return pair.tested_at > changed_at;
 }
 
-const Eigen::AlignedBox3d& World::State::exact_box(std::uint32_t n) noexcept {
+const Eigen::AlignedBox3d& World::State::tight_box(std::uint32_t n) noexcept {
   Body& body = bodies_[n];
   if (body.box_of != bounds_[n].changed_at) {
     body.box = world_box(*shapes_[static_cast<std::uint32_t>(body.shape)].shape, body.motion);
@@ -132,9 +132,9 @@ bool World::State::boxes_are_apart(const Pair& pair, double margin) noexcept {
   const std::uint32_t a = first(pair), b = second(pair);
   if (has_half_space(pair)) {
     const HalfSpace& plane = planes_[b & ~half_space_bit].half_space;
-    return box_beyond(bounds_[a].loose, plane, margin) || box_beyond(exact_box(a), plane, margin);
+    return box_beyond(bounds_[a].loose, plane, margin) || box_beyond(tight_box(a), plane, margin);
   }
-  return boxes_apart(bounds_[a].loose, bounds_[b].loose, margin) || boxes_apart(exact_box(a), exact_box(b), margin);
+  return boxes_apart(bounds_[a].loose, bounds_[b].loose, margin) || boxes_apart(tight_box(a), tight_box(b), margin);
 }
 
 CandidatePair World::State::candidate(const Pair& pair) const noexcept {

@@ -89,7 +89,7 @@ class World::State {
   double margin_of(const Pair& pair, double margin) const noexcept;
   bool is_current(const Pair& pair) const noexcept;
   bool boxes_are_apart(const Pair& pair, double margin) noexcept;
-  const Eigen::AlignedBox3d& exact_box(std::uint32_t body) noexcept;
+  const Eigen::AlignedBox3d& tight_box(std::uint32_t body) noexcept;
   Verdict ask(const Pair& pair, PairOptions options) const noexcept;
   CandidatePair candidate(const Pair& pair) const noexcept;
   std::span<const TrianglePair> triangles(const Pair& pair, double margin);
