@@ -242,6 +242,35 @@ TEST(BoxTrees, SortedAndEqualBoxesStayBalanced) {
   }
 }
 
+TEST(BoxTrees, HeightsStayInBalanceWhileLeavesComeAndGo) {
+  // Places of all orders of magnitude ask for deep trees.
+  for (const unsigned seed : {13u, 14u, 15u}) {
+    Boxes boxes(Scene::points, seed);
+    BoxTree tree;
+    std::vector<BoxTree::Leaf> leaves;
+    for (int i = 0; i < 20'000; ++i) {
+      const bool growing = i / 3000 % 2 == 0;
+      const double action = boxes.uniform(), x = std::pow(2.0, 40 * boxes.uniform());
+      const FloatBox box = FloatBox::around({Vector(x, 0, 0), Vector(x, 1, 1)});
+      if (leaves.empty() || (leaves.size() < 600 && action < (growing ? 0.5 : 0.1))) {
+        leaves.push_back(tree.insert(box, 0));
+        continue;
+      }
+      BoxTree::Leaf& leaf = leaves[static_cast<std::size_t>(boxes.integer(static_cast<int>(leaves.size()) - 1))];
+      if (action < 0.55) {
+        tree.remove(leaf);
+        leaf = leaves.back();
+        leaves.pop_back();
+      } else {
+        tree.update(leaf, box, box);
+      }
+      if (i % 16 == 0) {
+        ASSERT_EQ(tree.defect(), "") << "seed " << seed << ", step " << i;
+      }
+    }
+  }
+}
+
 TEST(BoxTrees, QueriesVisitFewNodes) {
   for (const bool sorted : {false, true}) {
     Boxes boxes(Scene::uniform);
