@@ -225,7 +225,10 @@ BoxGate::BoxGate(const PairMotion& motion, double radius_a, double radius_b, dou
   for (int end = 0; end < ends; ++end) offset = std::max(offset, (motion.b[end].offset - motion.a[end].offset).norm());
   // 32 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
   const double required = distance + 0x1p-19 * (radius_a + radius_b + offset) + 0x1p-120;
-  gap = std::nextafter(static_cast<float>(required), std::numeric_limits<float>::infinity());
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  // Sums of larger coordinates could overflow to infinity, which would separate from everything.
+  const bool fits = radius_a + radius_b < 0x1p125;
+  gap = fits ? std::nextafter(static_cast<float>(required), infinity) : infinity;
 }
 
 HWY_EXPORT(visit_leaf_pairs);
