@@ -4,6 +4,7 @@
 #include <encage/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "src/bvh.h"
@@ -94,11 +95,13 @@ class Checker {
       : tree_(tree), mesh_(mesh), place_(place) {}
 
   void check() {
-    if (tree_.nodes.empty() || tree_.leaves.size() != mesh_.triangles.size()) {
+    if (tree_.nodes.empty()) throw Error(place_ + ": a tree without nodes");
+    if (tree_.leaves.size() != mesh_.triangles.size()) {
       throw Error(place_ + ": " + std::to_string(tree_.leaves.size()) + " leaf triangles for a mesh of " +
                   std::to_string(mesh_.triangles.size()));
     }
     check_leaf_triangles();
+    check_finite(0);
     depth_.assign(tree_.nodes.size(), -1);
     depth_[0] = 0;
     std::vector<bool> covered(tree_.leaves.size(), false);
@@ -145,6 +148,17 @@ class Checker {
     }
   }
 
+  void check_finite(std::size_t n) const {
+    const WideNode& node = tree_.nodes[n];
+    for (int lane = 0; lane < width; ++lane) {
+      for (int axis = 0; axis < 3 && node.count[lane] != WideNode::unused; ++axis) {
+        if (!std::isfinite(node.lower[axis][lane]) || !std::isfinite(node.upper[axis][lane])) {
+          fail(n, "has a box that is not finite");
+        }
+      }
+    }
+  }
+
   void check_inner(std::size_t n, int lane) {
     const auto child = static_cast<std::size_t>(tree_.nodes[n].child[lane]);
     if (tree_.nodes[n].child[lane] < 0 || child <= n || child >= tree_.nodes.size()) {
@@ -153,6 +167,7 @@ class Checker {
     if (depth_[child] >= 0) fail(child, "has two parents");
     depth_[child] = depth_[n] + 1;
     if (depth_[child] > WideTree::max_depth) fail(child, "is too deep");
+    check_finite(child);
     const WideNode& below = tree_.nodes[child];
     for (int i = 0; i < width; ++i) {
       if (below.count[i] == WideNode::unused) continue;
