@@ -52,24 +52,23 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
     const int below = size;
     std::array<double, WideNode::width> uppers{}, widths{};
     for (int k = 0; k < 3; ++k) {
-      const auto& far = n[k] > 0 ? node.upper[k] : node.lower[k];
       for (int lane = 0; lane < WideNode::width; ++lane) {
-        uppers[lane] += n[k] * static_cast<double>(far[lane]);
-        widths[lane] +=
-            magnitude[k] * (static_cast<double>(node.upper[k][lane]) - static_cast<double>(node.lower[k][lane]));
+        const double low = surface.tree.lower(node, k, lane), high = surface.tree.upper(node, k, lane);
+        uppers[lane] += n[k] * (n[k] > 0 ? high : low);
+        widths[lane] += magnitude[k] * (high - low);
       }
     }
-    for (int lane = 0; lane < WideNode::width && node.count[lane] != WideNode::unused; ++lane) {
+    for (int lane = 0; lane < WideNode::width && node.count(lane) != WideNode::unused; ++lane) {
       const double upper = uppers[lane], width = widths[lane];
       if (upper <= bound) continue;
       // Every box holds a vertex: the lower end is reached.
       reached = std::max(reached, upper - width);
       if (width <= tolerance || upper <= reached + tolerance) {
         bound = upper;
-      } else if (node.count[lane] == WideNode::inner) {
-        stack[size++] = {node.child[lane], upper};
+      } else if (node.count(lane) == WideNode::inner) {
+        stack[size++] = {node.child(lane), upper};
       } else {
-        for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
+        for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
           for (const std::int32_t v : surface.tree.leaves[i].vertices) {
             bound = std::max(bound, n.dot(surface.vertex(v)));
           }

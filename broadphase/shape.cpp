@@ -51,11 +51,11 @@ Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
   closed = std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.closed == 1; });
   const WideNode& root = tree.nodes[0];
   for (int axis = 0; axis < 3; ++axis) {
-    lower[axis] = root.lower[axis][0];
-    upper[axis] = root.upper[axis][0];
-    for (int lane = 1; lane < WideNode::width && root.count[lane] != WideNode::unused; ++lane) {
-      lower[axis] = std::min(lower[axis], root.lower[axis][lane]);
-      upper[axis] = std::max(upper[axis], root.upper[axis][lane]);
+    lower[axis] = tree.lower(root, axis, 0);
+    upper[axis] = tree.upper(root, axis, 0);
+    for (int lane = 1; lane < WideNode::width && root.count(lane) != WideNode::unused; ++lane) {
+      lower[axis] = std::min(lower[axis], tree.lower(root, axis, lane));
+      upper[axis] = std::max(upper[axis], tree.upper(root, axis, lane));
     }
   }
 }
