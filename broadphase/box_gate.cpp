@@ -92,6 +92,7 @@ HWY_INLINE std::uint32_t lanes_within(const WideNode& node, const Bounds<4>& bou
 HWY_INLINE bool separated_by_axis(const BoxGate::Side& side, const Box& box,
                                   const Bounds<BoxGate::axis_lanes>& bounds) {
   const Axes d;
+  bool any = false;
   for (std::size_t k = 0; k < BoxGate::axis_lanes; k += hn::Lanes(d)) {
     auto centre = hn::Mul(hn::LoadU(d, &side.axis[0][k]), hn::Set(d, box.centre[0]));
     auto reach = hn::Mul(hn::LoadU(d, &side.axis_size[0][k]), hn::Set(d, box.half[0]));
@@ -101,11 +102,12 @@ HWY_INLINE bool separated_by_axis(const BoxGate::Side& side, const Box& box,
     }
     const auto apart = hn::Or(hn::Gt(hn::Sub(centre, reach), hn::Load(d, &bounds.high[k])),
                               hn::Lt(hn::Add(centre, reach), hn::Load(d, &bounds.low[k])));
-    if (!hn::AllFalse(d, apart)) return true;
+    any = any || !hn::AllFalse(d, apart);
   }
-  return false;
+  return any;
 }
 
+/// Depth first, but several pairs at a time where there are several: their tests do not wait for each other.
 class Traversal {
  public:
   Traversal(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
@@ -115,18 +117,25 @@ class Traversal {
   bool run() {
     const WideNode& root = b_.nodes[0];
     for (int lane = 0; lane < WideNode::width; ++lane) {
-      if (root.count(lane) != WideNode::unused) open<&BoxGate::a>(a_, 0, Box(b_, root, lane));
+      if (root.count(lane) == WideNode::unused) continue;
+      tasks_[0] = {Box(b_, root, lane), &a_.nodes[0], true};
+      open(1);
     }
     while (size_ > 0) {
-      const Pair pair = stack_[--size_];
-      const int count_a = pair.a.count(), count_b = pair.b.count();
-      if (count_a > 0 && count_b > 0) {
-        if (!visit_(context_, pair.a.child(), count_a, pair.b.child(), count_b)) return false;
-      } else if (count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size)) {
-        open<&BoxGate::a>(a_, pair.a.child(), pair.b);
-      } else {
-        open<&BoxGate::b>(b_, pair.b.child(), pair.a);
+      const int taken = size_ > crowded ? 1 : std::min(size_, batch);
+      int opened = 0;
+      for (int i = 0; i < taken; ++i) {
+        const Pair& pair = stack_[--size_];
+        const int count_a = pair.a.count(), count_b = pair.b.count();
+        if (count_a > 0 && count_b > 0) {
+          if (!visit_(context_, pair.a.child(), count_a, pair.b.child(), count_b)) return false;
+          continue;
+        }
+        const bool open_a = count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size);
+        tasks_[opened++] = {open_a ? pair.b : pair.a, open_a ? &a_.nodes[pair.a.child()] : &b_.nodes[pair.b.child()],
+                            open_a};
       }
+      open(opened);
     }
     return true;
   }
@@ -135,49 +144,63 @@ class Traversal {
   struct Pair {
     Box a, b;
   };
-  // Opening one pair leaves at most a node's width on the stack for every level of either tree.
-  static constexpr int stack_size = WideNode::width * (2 * WideTree::max_depth + 8);
+  /// A node whose boxes are tested, at rest, against a moving box of the other tree.
+  struct Task {
+    Box moving;
+    const WideNode* node;
+    bool opens_a;
+  };
+  static constexpr int batch = 8;
+  static constexpr int crowded = 256;  // from here on one at a time, which bounds the stack
+  static constexpr int stack_size = crowded + WideNode::width * (batch + 2 * WideTree::max_depth + 8);
 
-  /// Puts the boxes of a node, at rest, that are not proven apart from the moving box on the stack with it.
-  template <BoxGate::Side BoxGate::*kSide>
-  void open(const WideTreeView& resting, std::int32_t node_index, const Box& moving) {
-    const WideNode& node = resting.nodes[node_index];
-    std::uint32_t near = 0;
+  /// Puts on the stack what the first `count` tasks do not prove apart.
+  void open(int count) {
+    std::array<std::uint32_t, batch> near{};
     for (const BoxGate& gate : gates_) {
-      near |= gate.ends == 1 ? near_lanes<1>(gate.*kSide, resting, node, moving)
-                             : near_lanes<2>(gate.*kSide, resting, node, moving);
+      if (gate.ends == 1) {
+        find_near<1>(gate, count, near);
+      } else {
+        find_near<2>(gate, count, near);
+      }
     }
-    // The first lane on top.
-    while (near != 0) {
-      const int lane = 31 - __builtin_clz(near);
-      near &= ~(1U << lane);
-      const Box box(resting, node, lane);
-      stack_[size_++] = kSide == &BoxGate::a ? Pair{box, moving} : Pair{moving, box};
+    for (int i = count - 1; i >= 0; --i) {
+      const Task& task = tasks_[i];
+      // The first lane on top.
+      for (std::uint32_t left = near[i]; left != 0;) {
+        const int lane = 31 - __builtin_clz(left);
+        left &= ~(1U << lane);
+        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        stack_[size_++] = task.opens_a ? Pair{box, task.moving} : Pair{task.moving, box};
+      }
     }
   }
 
+  /// Adds the lanes of the tasks' nodes that the gate does not prove apart.
   template <int kEnds>
-  static std::uint32_t near_lanes(const BoxGate::Side& side, const WideTreeView& resting, const WideNode& node,
-                                  const Box& moving) {
-    std::uint32_t near = (1U << WideNode::width) - 1;
-    if (side.works) {
+  void find_near(const BoxGate& gate, int count, std::array<std::uint32_t, batch>& near) const {
+    std::array<std::uint32_t, batch> within;
+    for (int i = 0; i < count; ++i) {
+      const Task& task = tasks_[i];
+      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
       Bounds<4> swept;
-      sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.place_gap, moving, swept);
-      near = lanes_within(node, swept);
+      sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.place_gap, task.moving, swept);
+      within[i] = side.works ? lanes_within(*task.node, swept) : (1U << WideNode::width) - 1;
     }
-    if (near == 0) return 0;
-    Bounds<BoxGate::axis_lanes> projected;
-    if (side.works) {
-      sweep<kEnds>(Axes(), side.moving, side.moving_size, side.moving_offset, side.gap, moving, projected);
-    }
-    for (std::uint32_t left = near; left != 0; left &= left - 1) {
-      const int lane = __builtin_ctz(left);
-      if (node.count(lane) == WideNode::unused ||
-          (side.works && separated_by_axis(side, Box(resting, node, lane), projected))) {
-        near &= ~(1U << lane);
+    for (int i = 0; i < count; ++i) {
+      if (within[i] == 0) continue;
+      const Task& task = tasks_[i];
+      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
+      Bounds<BoxGate::axis_lanes> projected;
+      sweep<kEnds>(Axes(), side.moving, side.moving_size, side.moving_offset, side.gap, task.moving, projected);
+      for (std::uint32_t left = within[i]; left != 0; left &= left - 1) {
+        const int lane = __builtin_ctz(left);
+        const bool used = task.node->count(lane) != WideNode::unused;
+        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        const bool apart = side.works && separated_by_axis(side, box, projected);
+        near[i] |= static_cast<std::uint32_t>(used && !apart) << lane;
       }
     }
-    return near;
   }
 
   const WideTreeView& a_;
@@ -186,6 +209,7 @@ class Traversal {
   VisitLeaves visit_;
   void* context_;
   int size_ = 0;
+  std::array<Task, batch> tasks_;
   std::array<Pair, stack_size> stack_;
 };
 

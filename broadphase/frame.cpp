@@ -114,17 +114,23 @@ bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, dou
 
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept {
   const Surface& surface = shape.outer();
-  const double slack = world_slack(shape, pose, surface.radius);
-  const double tolerance = 0x1p-8 * surface.radius;
-  Eigen::AlignedBox3d box;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d n = pose.linear().row(axis).transpose();
-    const double offset = n.dot(shape.origin) + pose.translation()[axis];
-    const double farthest = surface.radius * (1 + 1e-8);
-    box.max()[axis] = offset + std::min(support(surface, n, tolerance), farthest) + slack;
-    box.min()[axis] = offset - std::min(support(surface, -n, tolerance), farthest) - slack;
+  const Eigen::Vector3d centre = pose.linear() * shape.origin + pose.translation();
+  Eigen::Vector3d low, high;
+  double slack = world_slack(shape, pose, surface.radius);
+  if (!shape.outline.empty()) {
+    shape.outline.extents(pose.linear(), low, high);
+    slack += 0x1p-20 * shape.outline_radius;
+  } else {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d n = pose.linear().row(axis).transpose();
+      const double tolerance = 0x1p-8 * surface.radius;
+      low[axis] = -support(surface, -n, tolerance);
+      high[axis] = support(surface, n, tolerance);
+    }
   }
-  return box;
+  const Eigen::Vector3d farthest = Eigen::Vector3d::Constant(surface.radius * (1 + 1e-8));
+  return {centre + low.cwiseMax(-farthest) - Eigen::Vector3d::Constant(slack),
+          centre + high.cwiseMin(farthest) + Eigen::Vector3d::Constant(slack)};
 }
 
 Eigen::AlignedBox3d ball_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept {
