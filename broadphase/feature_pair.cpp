@@ -130,25 +130,27 @@ class Search {
   }
 
   int advance(int now) const {
-    int next = free_until(closest_direction(at(sweep_, time(now))), now, cells);
-    if (next == cells || next > now + 64) return next;
-    const auto consider = [&](const Vector& axis) {
-      next = std::max(next, free_until(axis, now, cells));
-      return next > now + 64;
-    };
     const Corners p = at(sweep_, time(now));
-    for (int reach = cells - now; reach > 0; reach /= 16) {
+    int next = free_until(closest_direction(p), now, cells);
+    if (next >= std::min(cells, now + 64)) return next;
+    // Wider and wider spans as long as that helps.
+    for (int reach = 1, last = now; reach <= cells - now; reach *= 16, last = next) {
       const Corners q = at(sweep_, time(now + reach));
-      if (consider(closest_direction(q))) return next;
+      const auto consider = [&](const Corners& polygon) {
+        next = std::max(next, free_until(closest_direction(polygon), now, cells));
+      };
+      consider(q);
       for (int i = 0; i < 4; ++i) {
         const int j = (i + 1) % 4;
         Corners quad;
         for (int k = 0; k < 3; ++k) quad[k] = {p[k][i], p[k][j], q[k][j], q[k][i]};
-        if (consider(closest_direction(quad))) return next;
+        consider(quad);
       }
+      if (next == last) break;
     }
+    if (next > now) return next;
     for (int k = 0; k < 3; ++k) {
-      if (consider(Vector::Unit(k)) || consider(-Vector::Unit(k))) return next;
+      next = std::max({next, free_until(Vector::Unit(k), now, cells), free_until(-Vector::Unit(k), now, cells)});
     }
     return next;
   }
