@@ -72,7 +72,7 @@ class Search {
     const double least = required_.distance + required_.arc + rounding_;
     Vector axis;
     for (int k = 0; k < 3; ++k) axis[k] = (sweep_.start[k] + sweep_.end[k]).sum() / 8;
-    for (int attempt = 0; attempt < 4; ++attempt) {
+    for (int attempt = 0; attempt < 3; ++attempt) {
       const double squared = axis.squaredNorm();
       if (!(squared > 1e-200)) return false;
       const Lanes s = project(sweep_.start, axis), e = project(sweep_.end, axis);
