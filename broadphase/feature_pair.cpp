@@ -111,11 +111,18 @@ class Search {
 
   std::optional<double> run() const {
     int now = 0;
+    double factor = 8;
     for (int step = 0; step < most_steps; ++step) {
       if (time(now) > required_.latest) return std::nullopt;
-      const int next = advance(now);
-      if (next == cells) return std::nullopt;
+      int next = advance(now);
       if (next == now) break;
+      if (step >= 4 && next < cells) {
+        const int end = static_cast<int>(std::min<double>(cells, now + factor * (next - now)));
+        const bool free = bent_free(now, end);
+        if (free) next = end;
+        factor = std::clamp(free ? 2 * factor : factor / 2, 2.0, 1024.0);
+      }
+      if (next == cells) return std::nullopt;
       now = next;
     }
     return time(now);
@@ -123,6 +130,25 @@ class Search {
 
  private:
   static double time(int cell) { return cell * (1.0 / cells); }
+
+  /// True if an axis that turns during the span, quadratic in time, separates all along.
+  bool bent_free(int now, int end) const {
+    const Corners p = at(sweep_, time(now)), q = at(sweep_, time(end));
+    const Vector first = closest_direction(p), last = closest_direction(q);
+    const Vector middle =
+        2 * closest_direction(at(sweep_, (time(now) + time(end)) / 2)) - (first + last) / 2;
+    const double squared = std::max({first.squaredNorm(), middle.squaredNorm(), last.squaredNorm()});
+    if (!(squared > 1e-280)) return false;
+    const Vector largest = first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs());
+    const double length = std::sqrt(squared) * (required_.distance + largest_arc(now, end));
+    const Lanes least = length + 2 * rounding_unit * project(sweep_.size, largest);
+    if (!(least.minCoeff() > 1e-290)) return false;
+    // Bernstein coefficients of the projections.
+    const Lanes b0 = project(p, first), b3 = project(q, last);
+    const Lanes b1 = (project(q, first) + 2 * project(p, middle)) / 3;
+    const Lanes b2 = (project(p, last) + 2 * project(q, middle)) / 3;
+    return (b0.min(b1).min(b2.min(b3)) - least).minCoeff() > 0;
+  }
 
   double largest_arc(int now, int end) const {
     const double nearest = std::clamp(0.5, time(now), time(end));

@@ -117,6 +117,29 @@ PolynomialPoint cross(const PolynomialPoint& a, const PolynomialPoint& b) {
 
 Polynomial dot(const PolynomialPoint& a, const PolynomialPoint& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/// Lower bound of p's values on an interval of times >= 0.
+Kernel::Bound evaluate_least(const Polynomial& p, const Kernel::Bound& low, const Kernel::Bound& high) {
+  Kernel::Bound least(0);
+  for (int i = p.degree(); i >= 0; --i) least = least * (least < 0 ? high : low) + p[i];
+  return least;
+}
+
+/// CGAL's own (5.5) fails where refinement hits the root by chance.
+CGAL::Sign sign(const Polynomial& p, const Time& t) {
+  if (p.degree() < 1) return p.is_zero() ? CGAL::ZERO : p.sign_at(0);
+  if (t.low() != t.high()) {
+    const Polynomial common = CGAL::Polynomial_traits_d<Polynomial>::Gcd_up_to_constant_factor()(p, t.polynomial());
+    if (common.degree() > 0 && common.sign_at(t.low()) != common.sign_at(t.high())) return CGAL::ZERO;
+  }
+  while (t.low() != t.high()) {
+    const Kernel::Bound low = std::max(t.low(), Kernel::Bound(0)), high = t.high();
+    if (evaluate_least(p, low, high) > 0) return CGAL::POSITIVE;
+    if (evaluate_least(-p, low, high) > 0) return CGAL::NEGATIVE;
+    t.refine();
+  }
+  return p.sign_at(t.low());
+}
+
 class MovingPolygon {
  public:
   MovingPolygon(Features kind, const MovingPoints& points) {
@@ -138,6 +161,7 @@ class MovingPolygon {
   std::optional<Time> first_contact() const {
     std::vector<Time> times = candidates();
     std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
     for (const Time& t : times) {
       if (holds_origin(t)) return t;
     }
@@ -176,8 +200,6 @@ class MovingPolygon {
     kernel_.solve_1_object()(p, Kernel::Bound(0), Kernel::Bound(1), std::back_inserter(roots));
     for (const auto& root : roots) times.push_back(root.first);
   }
-
-  CGAL::Sign sign(const Polynomial& p, const Time& t) const { return kernel_.sign_at_1_object()(p, t); }
 
   bool vanishes(const PolynomialPoint& p, const Time& t) const {
     return std::all_of(p.begin(), p.end(), [&](const Polynomial& x) { return sign(x, t) == CGAL::ZERO; });
