@@ -116,7 +116,7 @@ class Search {
       if (time(now) > required_.latest) return std::nullopt;
       int next = advance(now);
       if (next == now) break;
-      if (step >= 4 && next < cells) {
+      if (step >= 2 && next < cells) {
         const int end = static_cast<int>(std::min<double>(cells, now + factor * (next - now)));
         const bool free = bent_free(now, end);
         if (free) next = end;
@@ -162,6 +162,7 @@ class Search {
     // Wider and wider spans as long as that helps.
     for (int reach = 1, last = now; reach <= cells - now; reach *= 16, last = next) {
       const Corners q = at(sweep_, time(now + reach));
+      if (bent_free(now, now + reach)) next = std::max(next, now + reach);
       const auto consider = [&](const Corners& polygon) {
         next = std::max(next, free_until(closest_direction(polygon), now, cells));
       };
