@@ -135,8 +135,7 @@ class Search {
   bool bent_free(int now, int end) const {
     const Corners p = at(sweep_, time(now)), q = at(sweep_, time(end));
     const Vector first = closest_direction(p), last = closest_direction(q);
-    const Vector middle =
-        2 * closest_direction(at(sweep_, (time(now) + time(end)) / 2)) - (first + last) / 2;
+    const Vector middle = 2 * closest_direction(at(sweep_, (time(now) + time(end)) / 2)) - (first + last) / 2;
     const double squared = std::max({first.squaredNorm(), middle.squaredNorm(), last.squaredNorm()});
     if (!(squared > 1e-280)) return false;
     const Vector largest = first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs());
