@@ -7,6 +7,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,160 +16,206 @@ namespace encage::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The eight boxes of a node, or as many as a register holds of them.
-using Lanes = hn::CappedTag<float, WideNode::width>;
-using Register = hn::Vec<Lanes>;
-/// The axes of a gate.
-using Axes = hn::CappedTag<float, BoxGate::axis_lanes>;
+using Lanes = hn::CappedTag<float, WideNode::width>;     // boxes of a node
+using Axes = hn::CappedTag<float, BoxGate::axis_lanes>;  // axes of a gate
+using Coordinates = hn::CappedTag<float, 4>;             // x, y, z
 
-/// A box of one tree, the `lane` of a node: the node's index times the width, plus the lane.
-using BoxIndex = std::int32_t;
-
+/// A box of a tree, in places of its grid, with what is below it.
 struct Box {
   std::array<float, 3> centre, half;
+  float size;  ///< only to compare with the other tree's
+  std::uint32_t link;
 
-  Box(const WideTreeView& tree, BoxIndex index) {
-    const WideNode& node = tree.nodes[index / WideNode::width];
-    const int lane = index % WideNode::width;
+  Box() = default;
+  Box(const WideTreeView& tree, const WideNode& node, int lane) : size(0), link(node.link[lane]) {
     for (int axis = 0; axis < 3; ++axis) {
-      centre[axis] = 0.5F * (node.lower[axis][lane] + node.upper[axis][lane]);
-      half[axis] = 0.5F * (node.upper[axis][lane] - node.lower[axis][lane]);
+      const int lower = node.lower[axis][lane], upper = node.upper[axis][lane];
+      centre[axis] = 0.5F * static_cast<float>(lower + upper);
+      half[axis] = 0.5F * static_cast<float>(upper - lower);
+      const float extent = half[axis] * tree.grid.step[axis];
+      size += extent * extent;
     }
   }
-  float size() const { return half[0] * half[0] + half[1] * half[1] + half[2] * half[2]; }
+  int count() const { return WideNode::count_of(link); }
+  std::int32_t child() const { return WideNode::child_of(link); }
 };
 
-/// One box on all axes.
-struct Projection {
-  alignas(64) std::array<BoxGate::PerAxis, 2> centre;  ///< [end][axis]
-  alignas(64) std::array<BoxGate::PerAxis, 2> reach;   ///< [end][axis]; what separation requires, added
+/// Bounds of a moving box over the interval, widened by the gap: a resting box beyond them is apart.
+template <std::size_t kCount>
+struct Bounds {
+  alignas(64) std::array<float, kCount> low;
+  alignas(64) std::array<float, kCount> high;
+};
 
-  Projection(const BoxGate& gate, const BoxGate::Side& side, const Box& box) {
-    const Axes d;
-    for (int end = 0; end < gate.ends; ++end) {
-      for (std::size_t k = 0; k < BoxGate::axis_lanes; k += hn::Lanes(d)) {
-        auto c = hn::Load(d, &side.offset[end][k]);
-        auto r = hn::Set(d, gate.gap);
-        for (int axis = 0; axis < 3; ++axis) {
-          c = hn::Add(c, hn::Mul(hn::Load(d, &side.direction[end][axis][k]), hn::Set(d, box.centre[axis])));
-          r = hn::Add(r, hn::Mul(hn::Load(d, &side.size[end][axis][k]), hn::Set(d, box.half[axis])));
-        }
-        hn::Store(c, d, &centre[end][k]);
-        hn::Store(r, d, &reach[end][k]);
+/// Projections of a box that moves linearly: `direction` and `size` by [end][coordinate], `offset` by [end].
+template <int kEnds, class Tag, class Directions, class Offsets, class Gap, std::size_t kCount>
+HWY_INLINE void sweep(Tag d, const Directions& direction, const Directions& size, const Offsets& offset, const Gap& gap,
+                      const Box& box, Bounds<kCount>& bounds) {
+  for (std::size_t k = 0; k < kCount; k += hn::Lanes(d)) {
+    auto low = hn::Zero(d), high = low;
+    for (int end = 0; end < kEnds; ++end) {
+      auto centre = hn::LoadU(d, offset[end].data() + k);
+      auto reach = hn::LoadU(d, gap.data() + k);
+      for (int i = 0; i < 3; ++i) {
+        centre = hn::Add(centre, hn::Mul(hn::LoadU(d, direction[end][i].data() + k), hn::Set(d, box.centre[i])));
+        reach = hn::Add(reach, hn::Mul(hn::LoadU(d, size[end][i].data() + k), hn::Set(d, box.half[i])));
       }
+      low = end == 0 ? hn::Sub(centre, reach) : hn::Min(low, hn::Sub(centre, reach));
+      high = end == 0 ? hn::Add(centre, reach) : hn::Max(high, hn::Add(centre, reach));
     }
+    hn::Store(low, d, bounds.low.data() + k);
+    hn::Store(high, d, bounds.high.data() + k);
   }
-};
+}
 
-/// Bits of the lanes of `node`, boxes of `side`, that are not proven apart from the projected box.
-std::uint32_t near_lanes(const BoxGate& gate, const BoxGate::Side& side, const WideNode& node,
-                         const Projection& other) {
+/// Bits of the lanes of a node that are not apart along a coordinate; bounds in stored places.
+HWY_INLINE std::uint32_t lanes_within(const WideNode& node, const Bounds<4>& bounds) {
   const Lanes d;
-  const Register half = hn::Set(d, 0.5F);
+  const hn::RebindToSigned<Lanes> di;
+  const hn::Rebind<std::int16_t, Lanes> d16;
+  const auto places = [&](const std::int16_t* p) { return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, p))); };
   std::uint32_t result = 0;
   for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
-    Register c[3], h[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const Register low = hn::LoadU(d, node.lower[axis] + first), high = hn::LoadU(d, node.upper[axis] + first);
-      c[axis] = hn::Mul(half, hn::Add(low, high));
-      h[axis] = hn::Mul(half, hn::Sub(high, low));
-    }
     auto apart = hn::FirstN(d, 0);
-    for (int k = 0; k < BoxGate::axis_count; ++k) {
-      // The other box beyond the upper side at all ends, or beyond the lower one. Not by minima: NaN must not vanish.
-      auto above = hn::FirstN(d, hn::Lanes(d)), below = above;
-      for (int end = 0; end < gate.ends; ++end) {
-        const auto& u = side.direction[end];
-        const auto& s = side.size[end];
-        const Register centre = hn::Add(hn::Add(hn::Mul(c[0], hn::Set(d, u[0][k])), hn::Mul(c[1], hn::Set(d, u[1][k]))),
-                                        hn::Mul(c[2], hn::Set(d, u[2][k])));
-        const Register reach =
-            hn::Add(hn::Add(hn::Add(hn::Mul(h[0], hn::Set(d, s[0][k])), hn::Mul(h[1], hn::Set(d, s[1][k]))),
-                            hn::Mul(h[2], hn::Set(d, s[2][k]))),
-                    hn::Set(d, other.reach[end][k]));
-        const Register offset = hn::Sub(hn::Set(d, other.centre[end][k]), centre);
-        above = hn::And(above, hn::Gt(offset, reach));
-        below = hn::And(below, hn::Gt(hn::Neg(offset), reach));
-      }
-      apart = hn::Or(apart, hn::Or(above, below));
-      if (hn::AllTrue(d, apart)) break;
+    for (int axis = 0; axis < 3; ++axis) {
+      apart = hn::Or(apart, hn::Gt(places(node.lower[axis] + first), hn::Set(d, bounds.high[axis])));
+      apart = hn::Or(apart, hn::Lt(places(node.upper[axis] + first), hn::Set(d, bounds.low[axis])));
     }
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::Not(apart), bits);
     result |= static_cast<std::uint32_t>(bits[0]) << first;
   }
-  std::uint32_t used = 0;
-  for (int lane = 0; lane < WideNode::width; ++lane) used |= (node.count[lane] >= 0 ? 1U : 0U) << lane;
-  return result & used;
+  return result;
 }
 
+/// Whether an axis of the gate shows a resting box beyond the bounds.
+HWY_INLINE bool separated_by_axis(const BoxGate::Side& side, const Box& box,
+                                  const Bounds<BoxGate::axis_lanes>& bounds) {
+  const Axes d;
+  bool any = false;
+  for (std::size_t k = 0; k < BoxGate::axis_lanes; k += hn::Lanes(d)) {
+    auto centre = hn::Mul(hn::LoadU(d, &side.axis[0][k]), hn::Set(d, box.centre[0]));
+    auto reach = hn::Mul(hn::LoadU(d, &side.axis_size[0][k]), hn::Set(d, box.half[0]));
+    for (int i = 1; i < 3; ++i) {
+      centre = hn::Add(centre, hn::Mul(hn::LoadU(d, &side.axis[i][k]), hn::Set(d, box.centre[i])));
+      reach = hn::Add(reach, hn::Mul(hn::LoadU(d, &side.axis_size[i][k]), hn::Set(d, box.half[i])));
+    }
+    const auto apart = hn::Or(hn::Gt(hn::Sub(centre, reach), hn::Load(d, &bounds.high[k])),
+                              hn::Lt(hn::Add(centre, reach), hn::Load(d, &bounds.low[k])));
+    any = any || !hn::AllFalse(d, apart);
+  }
+  return any;
+}
+
+/// Depth first, but several pairs at a time where there are several: their tests do not wait for each other.
 class Traversal {
  public:
-  Traversal(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit, void* context)
-      : a_(a), b_(b), gate_(gate), visit_(visit), context_(context) {}
+  Traversal(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
+            void* context)
+      : a_(a), b_(b), gates_(gates), visit_(visit), context_(context) {}
 
   bool run() {
+    const WideNode& root = b_.nodes[0];
     for (int lane = 0; lane < WideNode::width; ++lane) {
-      if (b_.nodes[0].count[lane] >= 0) open_a(0, lane);
+      if (root.count(lane) == WideNode::unused) continue;
+      tasks_[0] = {Box(b_, root, lane), &a_.nodes[0], true};
+      open(1);
     }
     while (size_ > 0) {
-      const Pair pair = stack_[--size_];
-      const std::int32_t count_a = count(a_, pair.a), count_b = count(b_, pair.b);
-      if (count_a > 0 && count_b > 0) {
-        if (!visit_(context_, child(a_, pair.a), count_a, child(b_, pair.b), count_b)) return false;
-      } else if (count_b > 0 || (count_a == 0 && Box(a_, pair.a).size() >= Box(b_, pair.b).size())) {
-        open_a(child(a_, pair.a), pair.b);
-      } else {
-        open_b(pair.a, child(b_, pair.b));
+      const int taken = size_ > crowded ? 1 : std::min(size_, batch);
+      int opened = 0;
+      for (int i = 0; i < taken; ++i) {
+        const Pair& pair = stack_[--size_];
+        const int count_a = pair.a.count(), count_b = pair.b.count();
+        if (count_a > 0 && count_b > 0) {
+          if (!visit_(context_, pair.a.child(), count_a, pair.b.child(), count_b)) return false;
+          continue;
+        }
+        const bool open_a = count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size);
+        tasks_[opened++] = {open_a ? pair.b : pair.a, open_a ? &a_.nodes[pair.a.child()] : &b_.nodes[pair.b.child()],
+                            open_a};
       }
+      open(opened);
     }
     return true;
   }
 
  private:
   struct Pair {
-    BoxIndex a, b;
+    Box a, b;
   };
-  static constexpr int stack_size = WideNode::width * (2 * WideTree::max_depth + 8);
+  /// A node whose boxes are tested, at rest, against a moving box of the other tree.
+  struct Task {
+    Box moving;
+    const WideNode* node;
+    bool opens_a;
+  };
+  static constexpr int batch = 8;
+  static constexpr int crowded = 256;  // from here on one at a time, which bounds the stack
+  static constexpr int stack_size = crowded + WideNode::width * (batch + 2 * WideTree::max_depth + 8);
 
-  static std::int32_t count(const WideTreeView& tree, BoxIndex box) {
-    return tree.nodes[box / WideNode::width].count[box % WideNode::width];
-  }
-  static std::int32_t child(const WideTreeView& tree, BoxIndex box) {
-    return tree.nodes[box / WideNode::width].child[box % WideNode::width];
+  /// Puts on the stack what the first `count` tasks do not prove apart.
+  void open(int count) {
+    std::array<std::uint32_t, batch> near{};
+    for (const BoxGate& gate : gates_) {
+      if (gate.ends == 1) {
+        find_near<1>(gate, count, near);
+      } else {
+        find_near<2>(gate, count, near);
+      }
+    }
+    for (int i = count - 1; i >= 0; --i) {
+      const Task& task = tasks_[i];
+      // The first lane on top.
+      for (std::uint32_t left = near[i]; left != 0;) {
+        const int lane = 31 - __builtin_clz(left);
+        left &= ~(1U << lane);
+        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        stack_[size_++] = task.opens_a ? Pair{box, task.moving} : Pair{task.moving, box};
+      }
+    }
   }
 
-  void open_a(std::int32_t node, BoxIndex b) {
-    const Projection projection(gate_, gate_.b, Box(b_, b));
-    push(near_lanes(gate_, gate_.a, a_.nodes[node], projection), [&](int lane) {
-      return Pair{node * WideNode::width + lane, b};
-    });
-  }
-  void open_b(BoxIndex a, std::int32_t node) {
-    const Projection projection(gate_, gate_.a, Box(a_, a));
-    push(near_lanes(gate_, gate_.b, b_.nodes[node], projection), [&](int lane) {
-      return Pair{a, node * WideNode::width + lane};
-    });
-  }
-  template <class MakePair>
-  void push(std::uint32_t lanes, MakePair&& make_pair) {
-    for (int lane = WideNode::width - 1; lane >= 0; --lane) {
-      if ((lanes >> lane & 1U) != 0) stack_[size_++] = make_pair(lane);
+  /// Adds the lanes of the tasks' nodes that the gate does not prove apart.
+  template <int kEnds>
+  void find_near(const BoxGate& gate, int count, std::array<std::uint32_t, batch>& near) const {
+    std::array<std::uint32_t, batch> within;
+    for (int i = 0; i < count; ++i) {
+      const Task& task = tasks_[i];
+      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
+      Bounds<4> swept;
+      sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.place_gap, task.moving, swept);
+      within[i] = side.works ? lanes_within(*task.node, swept) : (1U << WideNode::width) - 1;
+    }
+    for (int i = 0; i < count; ++i) {
+      if (within[i] == 0) continue;
+      const Task& task = tasks_[i];
+      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
+      Bounds<BoxGate::axis_lanes> projected;
+      sweep<kEnds>(Axes(), side.moving, side.moving_size, side.moving_offset, side.gap, task.moving, projected);
+      for (std::uint32_t left = within[i]; left != 0; left &= left - 1) {
+        const int lane = __builtin_ctz(left);
+        const bool used = task.node->count(lane) != WideNode::unused;
+        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        const bool apart = side.works && separated_by_axis(side, box, projected);
+        near[i] |= static_cast<std::uint32_t>(used && !apart) << lane;
+      }
     }
   }
 
   const WideTreeView& a_;
   const WideTreeView& b_;
-  const BoxGate& gate_;
+  std::span<const BoxGate> gates_;
   VisitLeaves visit_;
   void* context_;
   int size_ = 0;
+  std::array<Task, batch> tasks_;
   std::array<Pair, stack_size> stack_;
 };
 
-bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit,
+bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
                       void* context) {
-  return Traversal(a, b, gate, visit, context).run();
+  return Traversal(a, b, gates, visit, context).run();
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -178,61 +225,107 @@ HWY_AFTER_NAMESPACE();
 namespace encage {
 namespace {
 
-/// Directions in the common frame: the boxes' axes at the start of the interval, and their cross products.
-std::array<Eigen::Vector3d, BoxGate::axis_count> axes(const PairMotion& motion) {
-  std::array<Eigen::Vector3d, BoxGate::axis_count> all;
-  // Normals of the box faces, which a linear map takes to those of its inverse's transpose; motions that
-  // shear the boxes much are cut into short intervals, where the columns are near enough.
-  for (int i = 0; i < 3; ++i) {
-    all[i] = motion.a[0].linear.col(i);
-    all[3 + i] = motion.b[0].linear.col(i);
-  }
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) all[6 + 3 * i + j] = all[i].cross(all[3 + j]);
-  }
-  for (Eigen::Vector3d& n : all) {
-    const double squared = n.squaredNorm();
-    // Unit length, or shorter where nearly parallel axes leave no direction: the gap is then asked of less.
-    n *= squared > 1e-12 ? (1 - 1e-9) / std::sqrt(squared) : 0;
-  }
-  return all;
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::Matrix3d;
+
+/// Upper bound of the spectral norm, tight for what is nearly a rotation.
+double norm_bound(const Matrix& m) {
+  return std::sqrt(1 + (m.transpose() * m - Matrix::Identity()).norm()) * (1 + 1e-14);
 }
 
-void set_side(BoxGate::Side& side, const std::array<AffineMap, 2>& maps, const std::array<AffineMap, 2>& other,
-              const std::array<Eigen::Vector3d, BoxGate::axis_count>& directions, int ends) {
-  side = {};
+Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+BoxGate::Column column(const Vector& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
+}
+
+void set_axis(std::array<BoxGate::PerAxis, 3>& axes, std::array<BoxGate::PerAxis, 3>& sizes, int k, const Vector& n) {
+  for (int i = 0; i < 3; ++i) {
+    axes[i][k] = static_cast<float>(n[i]);
+    sizes[i][k] = std::abs(axes[i][k]);
+  }
+}
+
+/// Directions that may separate boxes of the frame at rest from the other's: its axes, and cross products; no longer
+/// than 1.
+std::array<Vector, BoxGate::axis_count> oblique_axes(const Matrix& other) {
+  std::array<Vector, BoxGate::axis_count> axes;
+  for (int i = 0; i < 3; ++i) {
+    axes[i] = other.col(i);
+    for (int j = 0; j < 3; ++j) axes[3 + 3 * i + j] = axes[i].cross(Vector::Unit(j));
+  }
+  for (Vector& n : axes) {
+    const double squared = n.squaredNorm();
+    // None where nearly parallel edges leave no direction.
+    n *= squared > 1e-12 ? (1 - 1e-9) / std::sqrt(squared) : 0;
+  }
+  return axes;
+}
+
+/// `maps` of the body at rest, `others` of the moving one, to the common frame at both ends of the interval.
+BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& body,
+                        const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
+  BoxGate::Side side{};
+  // Local coordinates are middle + step * stored place.
+  const Vector step = as_vector(body.grid.step), middle = as_vector(body.grid.origin) + 32768 * step;
+  const Vector other_step = as_vector(other.grid.step);
+  const Vector other_middle = as_vector(other.grid.origin) + 32768 * other_step;
+  std::array<AffineMap, 2> relative;
+  double stretch = 1, offset = 0;
   for (int end = 0; end < ends; ++end) {
-    const Eigen::Vector3d offset = maps[end].offset - other[end].offset;
-    for (int k = 0; k < BoxGate::axis_count; ++k) {
-      const Eigen::Vector3d u = maps[end].linear.transpose() * directions[k];
-      for (int axis = 0; axis < 3; ++axis) {
-        side.direction[end][axis][k] = static_cast<float>(u[axis]);
-        side.size[end][axis][k] = std::abs(side.direction[end][axis][k]);
-      }
-      side.offset[end][k] = static_cast<float>(directions[k].dot(offset));
+    const Matrix inverse = maps[end].linear.inverse();
+    relative[end] = {inverse * others[end].linear, inverse * (others[end].offset - maps[end].offset)};
+    stretch = std::max(stretch, norm_bound(relative[end].linear));
+    offset = std::max(offset, relative[end].offset.norm());
+    for (int k = 0; k < 3; ++k) {
+      side.map[end][k] = column((relative[end].linear.col(k) * other_step[k]).cwiseQuotient(step));
+      for (std::size_t i = 0; i < 4; ++i) side.magnitude[end][k][i] = std::abs(side.map[end][k][i]);
+    }
+    side.offset[end] = column((relative[end](other_middle) - middle).cwiseQuotient(step));
+  }
+  const auto axes = oblique_axes(relative[0].linear);
+  for (int k = 0; k < BoxGate::axis_count; ++k) {
+    set_axis(side.axis, side.axis_size, k, axes[k].cwiseProduct(step));
+    for (int end = 0; end < ends; ++end) {
+      const Vector seen = relative[end].linear.transpose() * axes[k];
+      set_axis(side.moving[end], side.moving_size[end], k, seen.cwiseProduct(other_step));
+      side.moving_offset[end][k] = static_cast<float>(axes[k].dot(relative[end](other_middle) - middle));
     }
   }
+
+  // With A(t) the map of the body at rest and l(t) the straight line, the moving point p(t) is off by
+  // A(t) l(t) - p(t) = t (1 - t) (A1 - A0) (l(0) - l(1)); and A(t) shrinks distances to 1 / |A0^-1| - |A1 - A0| at
+  // least.
+  double shrink = 1 / norm_bound(maps[0].linear.inverse()), bulge = 0;
+  if (ends == 2) {
+    const double turn = (maps[1].linear - maps[0].linear).norm();
+    const double way = (relative[1].linear - relative[0].linear).norm() * other.radius +
+                       (relative[1].offset - relative[0].offset).norm();
+    bulge = 0.25 * turn * way * (1 + 1e-9);
+    shrink -= turn;
+  }
+  // 128 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
+  const double size = body.radius + middle.norm() + stretch * (other.radius + other_middle.norm()) + offset;
+  const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
+  side.works = shrink > 0.05 && stretch < 1e3 && size < 1e30 && gap < 1e30;
+  if (!side.works) return side;
+  side.gap.fill(std::nextafter(static_cast<float>(gap), std::numeric_limits<float>::infinity()));
+  side.place_gap = column(Vector::Constant(gap * (1 + 0x1p-22)).cwiseQuotient(step));
+  return side;
 }
 
 }  // namespace
 
-BoxGate::BoxGate(const PairMotion& motion, double radius_a, double radius_b, double distance)
-    : ends(motion.at_rest ? 1 : 2) {
-  const auto directions = axes(motion);
-  set_side(a, motion.a, motion.b, directions, ends);
-  set_side(b, motion.b, motion.a, directions, ends);
-  double offset = 0;
-  for (int end = 0; end < ends; ++end) offset = std::max(offset, (motion.b[end].offset - motion.a[end].offset).norm());
-  // 32 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
-  const double required = distance + 0x1p-19 * (radius_a + radius_b + offset) + 0x1p-120;
-  gap = std::nextafter(static_cast<float>(required), std::numeric_limits<float>::infinity());
-}
+BoxGate::BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance)
+    : a(make_side(motion.a, body_a, motion.b, body_b, motion.at_rest ? 1 : 2, distance)),
+      b(make_side(motion.b, body_b, motion.a, body_a, motion.at_rest ? 1 : 2, distance)),
+      ends(motion.at_rest ? 1 : 2) {}
 
 HWY_EXPORT(visit_leaf_pairs);
 
-bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit,
+bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
                       void* context) {
-  return HWY_DYNAMIC_DISPATCH(visit_leaf_pairs)(a, b, gate, visit, context);
+  return HWY_DYNAMIC_DISPATCH(visit_leaf_pairs)(a, b, gates, visit, context);
 }
 
 }  // namespace encage
