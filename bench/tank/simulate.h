@@ -47,9 +47,9 @@ struct Context {
   std::atomic<bool>* cancel = nullptr;  ///< may be set from any thread; noticed after the step
 };
 
-/// Simulates the scene; one thread, the same bits every time. Bodies never interpenetrate: a step is committed
-/// for a body only if its motion is proven free, the true arc included. Throws Error (bad options,
-/// a shape without fine mesh) or Cancelled.
+/// Simulates the scene; one thread, the same bits every time, on every machine, with the same compiler flags. Bodies
+/// never interpenetrate: a step is committed for a body only if its motion is proven free, the true arc included.
+/// Throws Error (bad options, a shape without fine mesh) or Cancelled.
 Simulation simulate(const ShapePtr& shape, const MassProperties& mass, const SceneOptions& options,
                     const Context& context = {});
 

@@ -147,7 +147,7 @@ TEST(Simulate, LedgerOfTheEnergy) {
 TEST(Simulate, BouncingGoesOnAndRestingComesToRest) {
   const MassProperties mass = mass_properties(shapes::sphere(3));
   const BallDetector balls(mass.radius);
-  SceneOptions options = few(6, 12);
+  SceneOptions options = few(5, 8);
   options.restitution = 0.8;
   const double unit = mass.mass * options.gravity * mass.radius * options.bodies;
   options.scene = Scene::bouncing;
@@ -173,6 +173,23 @@ TEST(Simulate, BodiesNeverInterpenetrateUnlessTold) {
   EXPECT_EQ(sampled(simulate(shape_of(mesh), mass, options)), 0);
   options.collisions = false;
   EXPECT_GT(sampled(simulate(shape_of(mesh), mass, options)), 20);
+}
+
+TEST(Simulate, JammedBodiesAreHeldAndStayApart) {
+  const TriangleMesh mesh = ring();
+  const MassProperties mass = mass_properties(mesh);
+  SceneOptions options = few(6, 5);
+  options.scene = Scene::resting;
+  options.rest_height = 0;
+  options.restitution = 0;
+  options.dt = 1.0 / 120;
+  const Simulation s = simulate(shape_of(mesh), mass, options);
+  EXPECT_GT(s.statistics.filter.held, 100);
+  EXPECT_GE(s.statistics.most_held, 2);
+  EXPECT_GT(s.statistics.most_passes, 8);
+  std::int64_t count = 0;
+  for (std::size_t k = 0; k < s.poses.size(); k += 10) count += interpenetrations(mesh, s.poses[k]);
+  EXPECT_EQ(count, 0);
 }
 
 TEST(Simulate, ReportsProgressAndCanBeCancelled) {
