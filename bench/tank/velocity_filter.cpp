@@ -60,6 +60,7 @@ void VelocityFilter::step(std::vector<BodyState>& bodies, FilterReport& report, 
 }
 
 void VelocityFilter::begin(const std::vector<BodyState>& bodies) {
+  before_.swap(trials_);
   trials_.assign(bodies.size(), {});
   open_.clear();
   list_.clear();
@@ -67,6 +68,8 @@ void VelocityFilter::begin(const std::vector<BodyState>& bodies) {
     Trial& trial = trials_[i];
     trial.start = bodies[i];
     trial.motion.start = pose(mass_, bodies[i]);
+    const bool known = i < before_.size() && before_[i].motion.end.matrix() == trial.motion.start.matrix();
+    if (known) trial.start_box = before_[i].end_box;
     try_motion(trial);
   }
 }
@@ -81,12 +84,13 @@ void VelocityFilter::try_motion(Trial& trial) const {
 void VelocityFilter::bound(Trial& trial) const {
   if (trial.start_box.isEmpty()) trial.start_box = detector_.box(trial.motion.start);
   if (trial.held) {
-    trial.box = trial.start_box;
+    trial.box = trial.end_box = trial.start_box;
     trial.arc = 0;
     return;
   }
   trial.arc = detector_.arc(trial.motion);
-  trial.box = trial.start_box.merged(detector_.box(trial.motion.end));
+  trial.end_box = detector_.box(trial.motion.end);
+  trial.box = trial.start_box.merged(trial.end_box);
   // Rounding of the sums as well: boxes that do not overlap prove that there is no contact.
   const double size = trial.box.min().cwiseAbs().cwiseMax(trial.box.max().cwiseAbs()).maxCoeff();
   const double reach = trial.arc + 4 * std::numeric_limits<double>::epsilon() * size;

@@ -54,7 +54,7 @@ class VelocityFilter {
   struct Trial {
     BodyState start, end;  // `start` takes the impulses
     Motion motion;
-    Eigen::AlignedBox3d start_box, box;
+    Eigen::AlignedBox3d start_box, end_box, box;  // empty: not known; the motion's
     double arc = 0;
     bool held = false;
     bool changed = true;  // since the last detection
@@ -84,6 +84,7 @@ class VelocityFilter {
   std::vector<HalfSpace> walls_;
   FilterOptions options_;
   std::vector<Trial> trials_;
+  std::vector<Trial> before_;   // of the step before: their ends are starts now
   std::vector<Conflict> open_;  // found by the last detection of their bodies
   std::vector<Conflict> list_;  // of the step, in the order in which impulses are given
 };
