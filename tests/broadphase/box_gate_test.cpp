@@ -28,12 +28,13 @@ struct Tree {
     arrays = make_mesh_arrays(mesh, "mesh");
     radius = mesh.vertices.rowwise().norm().maxCoeff() * (1 + 1e-12);
   }
+  GateBody body() const { return {radius, arrays.tree.grid}; }
 };
 
 std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) {
   std::vector<Leaves> all;
   visit_leaf_pairs(
-      a.arrays.tree, b.arrays.tree, gate,
+      a.arrays.tree, b.arrays.tree, {&gate, 1},
       [](void* context, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
         static_cast<std::vector<Leaves>*>(context)->emplace_back(first_a, count_a, first_b, count_b);
         return true;
@@ -136,7 +137,7 @@ TEST(BoxGate, NeverDropsLeavesThatComeNear) {
     const Real picked = least_distance(a, random.integer(triangles_a), b, random.integer(triangles_b), motion,
                                        std::numeric_limits<Real>::infinity());
     const double distance = random.integer(4) == 0 ? 1e-9 * size : static_cast<double>(picked) * (1 + 1e-12) + 1e-300;
-    const BoxGate gate(motion, a.radius, b.radius, distance);
+    const BoxGate gate(motion, a.body(), b.body(), distance);
     std::set<std::pair<std::int32_t, std::int32_t>> found;
     for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, gate)) {
       for (std::int32_t i = first_a; i < first_a + count_a; ++i) {
@@ -173,16 +174,16 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
     motion.b[0] = map(random_rotation(random, 3.1), random_direction(random) * random(1.6, 2.2));
     motion.b[1] = map(random_rotation(random, 0.1) * motion.b[0].linear, motion.b[0].offset + random.point(0.1));
     const double distance = 0.01;
-    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, {motion, a.radius, b.radius, distance})) {
+    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, {motion, a.body(), b.body(), distance})) {
       ++visits;
-      // Leaves of about 0.15 across that move by as much.
+      // Leaves of about 0.15 across that move by as much; 0.02 for paths that are curved in the frame of the other.
       Real least = 1;
       for (int s = 0; s <= 4; ++s) {
         least =
             std::min(least, triangle_distance(at(a, a.arrays.tree.leaves[first_a].triangle, motion.a, Real(s) / 4),
                                               at(b, b.arrays.tree.leaves[first_b].triangle, motion.b, Real(s) / 4)));
       }
-      near_visits += least < 0.25L;
+      near_visits += least < 0.27L;
     }
     pairs += a.arrays.tree.leaves.size() * b.arrays.tree.leaves.size();
   }
@@ -195,14 +196,14 @@ TEST(BoxGate, StopsWhenAskedTo) {
   const Tree a(shapes::sphere(2));
   PairMotion motion;
   motion.at_rest = true;
-  const BoxGate gate(motion, a.radius, a.radius, 1e-3);
+  const BoxGate gate(motion, a.body(), a.body(), 1e-3);
   const std::size_t all = visited(a, a, gate).size();
   ASSERT_GT(all, 50U);
   for (const int stop_after : {1, 7}) {
     int left = stop_after, calls = 0;
     std::pair<int*, int*> context{&left, &calls};
     const bool finished = visit_leaf_pairs(
-        a.arrays.tree, a.arrays.tree, gate,
+        a.arrays.tree, a.arrays.tree, {&gate, 1},
         [](void* c, std::int32_t, std::int32_t, std::int32_t, std::int32_t) {
           const auto& [remaining, count] = *static_cast<std::pair<int*, int*>*>(c);
           ++*count;
@@ -220,7 +221,7 @@ TEST(BoxGate, ProvesNothingWithInfiniteOrUnknownNumbers) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const auto pairs = [&](const PairMotion& motion, double distance) {
     std::size_t sum = 0;
-    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, a, {motion, a.radius, a.radius, distance})) {
+    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, a, {motion, a.body(), a.body(), distance})) {
       sum += static_cast<std::size_t>(count_a) * static_cast<std::size_t>(count_b);
     }
     return sum;
@@ -252,7 +253,7 @@ TEST(BoxGate, VisitsTheSameLeavesInTheSameOrderOnEveryInstructionSet) {
     for (int round = 0; round < 300; ++round) {
       const Tree &a = all[random.integer(7)], &b = all[random.integer(7)];
       const PairMotion motion = random_step(random, a, b, 1);
-      sequences.push_back(visited(a, b, {motion, a.radius, b.radius, random(0, 0.2)}));
+      sequences.push_back(visited(a, b, {motion, a.body(), b.body(), random(0, 0.2)}));
     }
     return sequences;
   };
