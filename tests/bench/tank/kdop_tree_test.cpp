@@ -32,8 +32,9 @@ TEST(KdopTree, RejectsMoreThanBoxes) {
   needle.triangles << 0, 1, 2;
   Motion beside;
   beside.start.translation() = beside.end.translation() = Eigen::Vector3d(0.3, 0, 0);
-  const Sweep a = make_sweep(needle, Eigen::Vector3d::Zero(), {}, 0);
-  const Sweep b = make_sweep(needle, Eigen::Vector3d::Zero(), beside, 0);
+  const BodyMesh body(needle, Eigen::Vector3d::Zero());
+  const Sweep a = make_sweep(body, {}, 0);
+  const Sweep b = make_sweep(body, beside, 0);
   ASSERT_LT(test::gap(a, 0, b, 0, 3), 0);
   KdopTree tree_a, tree_b;
   tree_a.build(a);

@@ -12,26 +12,26 @@ namespace encage::tank {
 namespace {
 
 TEST(Sweep, VerticesStartAndEndWhereThePosesSay) {
-  const TriangleMesh mesh = test::soup(5, 0.1, 1);
   const Eigen::Vector3d origin(3, 0, -1);
+  const BodyMesh body(test::soup(5, 0.1, 1), origin);
   std::mt19937 random(1);
   const Motion motion = test::random_motion(random, 2, 0.1);
-  const Sweep sweep = make_sweep(mesh, origin, motion, 0);
+  const Sweep sweep = make_sweep(body, motion, 0);
   for (std::int32_t v = 0; v < 15; ++v) {
-    EXPECT_LT((sweep.start_of(v) - motion.start * (origin + mesh.vertex(v))).norm(), 1e-14);
-    EXPECT_LT((sweep.end_of(v) - motion.end * (origin + mesh.vertex(v))).norm(), 1e-14);
+    EXPECT_LT((sweep.start_of(v) - motion.start * (origin + body.mesh.vertex(v))).norm(), 1e-14);
+    EXPECT_LT((sweep.end_of(v) - motion.end * (origin + body.mesh.vertex(v))).norm(), 1e-14);
   }
 }
 
-TEST(Sweep, SlackIsHalfTheDistanceAndRounding) {
-  const TriangleMesh mesh = test::soup(5, 0.1, 1);
-  const Sweep at_zero = make_sweep(mesh, Eigen::Vector3d::Zero(), {}, 0);
-  EXPECT_GT(at_zero.slack, 0);
-  EXPECT_LT(at_zero.slack, 1e-11);
-  EXPECT_NEAR(make_sweep(mesh, Eigen::Vector3d::Zero(), {}, 0.5).slack, 0.25, 1e-11);
+TEST(BodyMesh, SlackIsHalfTheDistanceAndRounding) {
+  const BodyMesh body(test::soup(5, 0.1, 1), Eigen::Vector3d::Zero());
+  EXPECT_GE(body.radius, body.mesh.vertices.rowwise().norm().maxCoeff());
+  EXPECT_GT(body.slack({}, 0), 0);
+  EXPECT_LT(body.slack({}, 0), 1e-11);
+  EXPECT_NEAR(body.slack({}, 0.5), 0.25, 1e-11);
   Motion far;
   far.end.translation().x() = 1e6;
-  EXPECT_GT(make_sweep(mesh, Eigen::Vector3d::Zero(), far, 0).slack, 1e5 * at_zero.slack);
+  EXPECT_GT(body.slack(far, 0), 1e5 * body.slack({}, 0));
 }
 
 TEST(FloatAbove, IsNotBelowAndClose) {
