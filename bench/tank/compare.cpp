@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/tank/compare.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <utility>
+
+namespace encage::tank {
+namespace {
+
+using Numbers = std::pair<std::int32_t, std::int32_t>;
+
+const BodyContact* find(const Detection& detection, const Numbers& pair) {
+  const auto at = std::lower_bound(
+      detection.contacts.begin(), detection.contacts.end(), pair,
+      [](const BodyContact& contact, const Numbers& p) { return Numbers(contact.body_a, contact.body_b) < p; });
+  const bool found = at != detection.contacts.end() && Numbers(at->body_a, at->body_b) == pair;
+  return found ? &*at : nullptr;
+}
+
+bool same(const BodyContact* s, const BodyContact* t) {
+  if (!s || !t) return s == t;
+  return s->contact.time == t->contact.time && s->contact.kind == t->contact.kind &&
+         s->contact.vertices == t->contact.vertices;
+}
+
+}  // namespace
+
+Faults& Faults::operator+=(const Faults& other) {
+  missed += other.missed;
+  spurious += other.spurious;
+  return *this;
+}
+
+std::vector<Faults> compare(const RecordedStep& step, const std::vector<const Detection*>& answers,
+                            const Judge& judge) {
+  std::set<Numbers> pairs;
+  for (const Detection* answer : answers) {
+    for (const BodyContact& contact : answer->contacts) pairs.emplace(contact.body_a, contact.body_b);
+  }
+  std::vector<Faults> faults(answers.size());
+  for (const Numbers& pair : pairs) {
+    std::vector<const BodyContact*> contacts;
+    for (const Detection* answer : answers) contacts.push_back(find(*answer, pair));
+    if (std::all_of(contacts.begin(), contacts.end(),
+                    [&](const BodyContact* contact) { return same(contact, contacts.front()); })) {
+      continue;
+    }
+    std::vector<bool> happens;
+    double earliest = std::numeric_limits<double>::infinity();
+    for (const BodyContact* contact : contacts) {
+      happens.push_back(contact && judge(step, *contact));
+      if (happens.back()) earliest = std::min(earliest, contact->contact.time);
+    }
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const double answered = contacts[i] ? contacts[i]->contact.time : std::numeric_limits<double>::infinity();
+      if (earliest < answered) ++faults[i].missed;
+      if (contacts[i] && !happens[i]) ++faults[i].spurious;
+    }
+  }
+  return faults;
+}
+
+}  // namespace encage::tank
