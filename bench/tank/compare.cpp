@@ -9,6 +9,8 @@
 namespace encage::tank {
 namespace {
 
+constexpr double never = std::numeric_limits<double>::infinity();
+
 using Numbers = std::pair<std::int32_t, std::int32_t>;
 
 const BodyContact* find(const Detection& detection, const Numbers& pair) {
@@ -47,16 +49,15 @@ std::vector<Faults> compare(const RecordedStep& step, const std::vector<const De
                     [&](const BodyContact* contact) { return same(contact, contacts.front()); })) {
       continue;
     }
-    std::vector<bool> happens;
-    double earliest = std::numeric_limits<double>::infinity();
+    std::vector<double> real;  // time of each contact, infinity for none
     for (const BodyContact* contact : contacts) {
-      happens.push_back(contact && judge(step, *contact));
-      if (happens.back()) earliest = std::min(earliest, contact->contact.time);
+      real.push_back(contact ? judge(step, *contact).value_or(never) : never);
     }
+    const double earliest = *std::min_element(real.begin(), real.end());
     for (std::size_t i = 0; i < contacts.size(); ++i) {
-      const double answered = contacts[i] ? contacts[i]->contact.time : std::numeric_limits<double>::infinity();
-      if (earliest < answered) ++faults[i].missed;
-      if (contacts[i] && !happens[i]) ++faults[i].spurious;
+      const double answer = contacts[i] ? contacts[i]->contact.time : never;
+      if (answer > earliest) ++faults[i].missed;
+      if (contacts[i] && answer < real[i] - time_tolerance) ++faults[i].spurious;
     }
   }
   return faults;

@@ -3,19 +3,23 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "bench/tank/strategy.h"
 
 namespace encage::tank {
 
-/// Decides whether a contact that was reported for two bodies of a step happens.
-using Judge = std::function<bool(const RecordedStep& step, const BodyContact& contact)>;
+/// When the features of a contact that was reported really touch; no value: never in this step.
+using Judge = std::function<std::optional<double>(const RecordedStep& step, const BodyContact& contact)>;
+
+/// A reported time may lie this much before the real one: a span of the narrow phase's bisection, and rounding.
+inline constexpr double time_tolerance = 0x1p-21;
 
 /// What is wrong with one strategy's answers.
 struct Faults {
-  std::int64_t missed = 0;    ///< pairs that touch, but it reports nothing, or a later time than that of a contact
-  std::int64_t spurious = 0;  ///< pairs for which it reports a contact that does not happen
+  std::int64_t missed = 0;    ///< pairs that touch, of which it reports nothing or too late a time
+  std::int64_t spurious = 0;  ///< pairs of which it reports a contact that does not happen, or too early a time
 
   Faults& operator+=(const Faults& other);
 };
