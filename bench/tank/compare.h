@@ -22,6 +22,7 @@ struct Faults {
   std::int64_t spurious = 0;  ///< pairs of which it reports a contact that does not happen, or too early a time
 
   Faults& operator+=(const Faults& other);
+  friend bool operator==(const Faults&, const Faults&) = default;
 };
 
 /// Compares what several strategies answered about the same step. Where they agree, they are

@@ -4,6 +4,10 @@
 #include <encage/error.h>
 
 #include <algorithm>
+#include <array>
+#include <span>
+
+#include "src/hash.h"
 
 namespace encage::tank {
 namespace {
@@ -33,6 +37,18 @@ Recording recording_of(const std::vector<PoseStep>& poses, double dt, std::int64
     recording.steps.push_back(step_between(poses[i], poses[i + 1], file));
   }
   return recording;
+}
+
+Hash trajectory_hash(const std::vector<PoseStep>& poses) {
+  Hasher hasher;
+  for (const PoseStep& step : poses) {
+    for (const BodyPose& body : step.bodies) {
+      std::array<double, 12> values;
+      for (int k = 0; k < 12; ++k) values[k] = body.pose.matrix()(k % 3, k / 3);
+      hasher.add(std::as_bytes(std::span(values)));
+    }
+  }
+  return hasher.digest();
 }
 
 }  // namespace encage::tank

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <encage/cage.h>
 #include <encage/poses.h>
 
 #include <cstdint>
@@ -16,5 +17,8 @@ namespace encage::tank {
 /// the next step lacks are left out. Throws Error, naming `file`, step and body, if a body turns by
 /// 180 degrees or more in a step, and if there are fewer than two steps.
 Recording recording_of(const std::vector<PoseStep>& poses, double dt, std::int64_t every, const std::string& file);
+
+/// Of the poses in order, hence equal to Simulation::trajectory_hash for the same poses.
+Hash trajectory_hash(const std::vector<PoseStep>& poses);
 
 }  // namespace encage::tank
