@@ -33,44 +33,55 @@ bool is_usable(const Eigen::Isometry3d& pose) noexcept {
          departure_from_rigid(pose.linear()) <= 1e-9;
 }
 
-// A box is skipped if its bound is no larger than a value at hand; both carry that error.
-double support(const Surface& surface, const Eigen::Vector3d& n) noexcept {
-  const auto bound = [&](const WideNode& node, int lane) {
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-      sum += std::max(n[k] * static_cast<double>(node.lower[k][lane]), n[k] * static_cast<double>(node.upper[k][lane]));
-    }
-    return sum;
-  };
+// A box is skipped if its bound is no larger than one at hand; both carry that error.
+double support(const Surface& surface, const Eigen::Vector3d& n, double tolerance) noexcept {
   struct Entry {
     std::int32_t node;
     double bound;
   };
-  double best = -std::numeric_limits<double>::infinity();
+  // What some vertex reaches, and what may be reached at most.
+  double reached = -std::numeric_limits<double>::infinity(), bound = reached;
+  const Eigen::Vector3d magnitude = n.cwiseAbs();
   std::array<Entry, WideNode::width*(WideTree::max_depth + 2)> stack;
   int size = 0;
   stack[size++] = {0, std::numeric_limits<double>::infinity()};
   while (size > 0) {
     const Entry entry = stack[--size];
-    if (entry.bound <= best) continue;
+    if (entry.bound <= bound) continue;
     const WideNode& node = surface.tree.nodes[entry.node];
     const int below = size;
-    for (int lane = 0; lane < WideNode::width && node.count[lane] != WideNode::unused; ++lane) {
-      const double upper = bound(node, lane);
-      if (upper <= best) continue;
-      if (node.count[lane] == WideNode::inner) {
-        stack[size++] = {node.child[lane], upper};
-        continue;
+    std::array<double, WideNode::width> uppers{}, widths{};
+    for (int k = 0; k < 3; ++k) {
+      const auto& far = n[k] > 0 ? node.upper[k] : node.lower[k];
+      for (int lane = 0; lane < WideNode::width; ++lane) {
+        uppers[lane] += n[k] * static_cast<double>(far[lane]);
+        widths[lane] +=
+            magnitude[k] * (static_cast<double>(node.upper[k][lane]) - static_cast<double>(node.lower[k][lane]));
       }
-      for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
-        for (const std::int32_t v : surface.tree.leaves[i].vertices) best = std::max(best, n.dot(surface.vertex(v)));
+    }
+    for (int lane = 0; lane < WideNode::width && node.count[lane] != WideNode::unused; ++lane) {
+      const double upper = uppers[lane], width = widths[lane];
+      if (upper <= bound) continue;
+      // Every box holds a vertex: the lower end is reached.
+      reached = std::max(reached, upper - width);
+      if (width <= tolerance || upper <= reached + tolerance) {
+        bound = upper;
+      } else if (node.count[lane] == WideNode::inner) {
+        stack[size++] = {node.child[lane], upper};
+      } else {
+        for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
+          for (const std::int32_t v : surface.tree.leaves[i].vertices) {
+            bound = std::max(bound, n.dot(surface.vertex(v)));
+          }
+        }
+        reached = std::max(reached, bound);
       }
     }
     // The most promising one next.
     std::sort(stack.begin() + below, stack.begin() + size,
               [](const Entry& x, const Entry& y) { return x.bound < y.bound; });
   }
-  return best;
+  return bound;
 }
 
 bool is_usable(const Motion& motion) noexcept {
@@ -105,12 +116,14 @@ bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, dou
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept {
   const Surface& surface = shape.outer();
   const double slack = world_slack(shape, pose, surface.radius);
+  const double tolerance = 0x1p-8 * surface.radius;
   Eigen::AlignedBox3d box;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d n = pose.linear().row(axis).transpose();
     const double offset = n.dot(shape.origin) + pose.translation()[axis];
-    box.max()[axis] = offset + support(surface, n) + slack;
-    box.min()[axis] = offset - support(surface, -n) - slack;
+    const double farthest = surface.radius * (1 + 1e-8);
+    box.max()[axis] = offset + std::min(support(surface, n, tolerance), farthest) + slack;
+    box.min()[axis] = offset - std::min(support(surface, -n, tolerance), farthest) - slack;
   }
   return box;
 }

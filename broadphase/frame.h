@@ -34,10 +34,11 @@ double required_distance(const Shape& a, const Eigen::Isometry3d& pose_a, const 
 /// True if the boxes are proven farther apart than `margin`.
 bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, double margin) noexcept;
 
-/// Largest n.x over the vertices, as computed: at most 4 eps |n| radius below the exact one.
-double support(const Surface& surface, const Eigen::Vector3d& n) noexcept;
+/// An upper bound of the largest n.x over the vertices, as computed: at most 4 eps |n| radius below
+/// the exact one, and no more than `tolerance` above it.
+double support(const Surface& surface, const Eigen::Vector3d& n, double tolerance = 0) noexcept;
 
-/// World box of the body at one pose, rounding included.
+/// World box of the body at one pose, rounding included; wider than need be by 2^-8 of the radius at most.
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept;
 
 /// Cheaper and looser: the box of the ball about the local origin. It contains pose_box().

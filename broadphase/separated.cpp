@@ -64,7 +64,7 @@ class BodyPair {
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                   const PairOptions& options) noexcept {
   if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.margin >= 0)) return {};
-  if (body_boxes_apart(a, motion_a, b, motion_b, options.margin)) return {true, Stage::box, -1};
+  if (options.boxes && body_boxes_apart(a, motion_a, b, motion_b, options.margin)) return {true, Stage::box, -1};
 
   const BodyPair pair(a, motion_a, b, motion_b, options.margin);
   Verdict last;

@@ -36,7 +36,7 @@ static_assert(sizeof(LeafTriangle) == 16);
 /// Bounding volume tree of a mesh in its own frame, 8 wide. Node 0 is the root;
 /// used lanes come first. The same mesh gives the same tree on every machine.
 struct WideTree {
-  static constexpr int leaf_size = 4;   ///< triangles in a leaf, at most
+  static constexpr int leaf_size = 2;   ///< triangles in a leaf, at most
   static constexpr int max_depth = 64;  ///< of any node, the root having 0: fixed stacks hold a traversal
 
   std::vector<WideNode> nodes;

@@ -83,6 +83,7 @@ struct HalfSpace {
 /// What separated() asks.
 struct PairOptions {
   double margin = 0;                                    ///< world units, >= 0
+  bool boxes = true;                                    ///< ask world boxes; false where the caller did
   bool cages = true;                                    ///< ask cages
   int finest_cage = 0;                                  ///< the finest cage level asked
   int coarsest_cage = std::numeric_limits<int>::max();  ///< the coarsest one asked

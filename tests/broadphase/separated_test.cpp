@@ -420,7 +420,7 @@ TEST(Separated, PosesThatAreNotRigidAnswerMaybe) {
   EXPECT_FALSE(ask(box, Pose::Identity(), box, far).separated);
 }
 
-TEST(Separated, AMovingPairIsRejectedByItsSweptBoxesOnly) {
+TEST(Separated, AMovingPairIsSeparatedDuringTheWholeStep) {
   const Body box = find(bodies(), "box");
   const Motion still = Motion::resting(Pose::Identity());
   const auto sweep = [&](const Pose& from, const Pose& to) {
@@ -431,6 +431,10 @@ TEST(Separated, AMovingPairIsRejectedByItsSweptBoxesOnly) {
   // Apart at both ends, through the other on the way.
   EXPECT_FALSE(sweep(shift(1, -5, 0), shift(1, 5, 0)).separated);
   EXPECT_TRUE(sweep(shift(5, -5, 0), shift(-5, -5, 0)).separated);
+  // Past a corner, where the swept boxes meet.
+  EXPECT_FALSE(sweep(shift(2.5, -1, 0), shift(-1, 2.5, 0)).separated);
+  EXPECT_TRUE(sweep(shift(4.5, 0, 0), shift(0, 4.5, 0)).separated);
+  EXPECT_NE(sweep(shift(4.5, 0, 0), shift(0, 4.5, 0)).stage, Stage::box);
 }
 
 TEST(Separated, OrderOfThePairAndUnitDoNotMatter) {
