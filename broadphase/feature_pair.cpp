@@ -72,7 +72,7 @@ class Search {
     const double least = required_.distance + required_.arc + rounding_;
     Vector axis;
     for (int k = 0; k < 3; ++k) axis[k] = (sweep_.start[k] + sweep_.end[k]).sum() / 8;
-    for (int attempt = 0; attempt < 4; ++attempt) {
+    for (int attempt = 0; attempt < 3; ++attempt) {
       const double squared = axis.squaredNorm();
       if (!(squared > 1e-200)) return false;
       const Lanes s = project(sweep_.start, axis), e = project(sweep_.end, axis);
@@ -111,11 +111,18 @@ class Search {
 
   std::optional<double> run() const {
     int now = 0;
+    double factor = 8;
     for (int step = 0; step < most_steps; ++step) {
       if (time(now) > required_.latest) return std::nullopt;
-      const int next = advance(now);
-      if (next == cells) return std::nullopt;
+      int next = advance(now);
       if (next == now) break;
+      if (step >= 2 && next < cells) {
+        const int end = static_cast<int>(std::min<double>(cells, now + factor * (next - now)));
+        const bool free = bent_free(now, end);
+        if (free) next = end;
+        factor = std::clamp(free ? 2 * factor : factor / 2, 2.0, 1024.0);
+      }
+      if (next == cells) return std::nullopt;
       now = next;
     }
     return time(now);
@@ -124,31 +131,52 @@ class Search {
  private:
   static double time(int cell) { return cell * (1.0 / cells); }
 
+  /// True if an axis that turns during the span, quadratic in time, separates all along.
+  bool bent_free(int now, int end) const {
+    const Corners p = at(sweep_, time(now)), q = at(sweep_, time(end));
+    const Vector first = closest_direction(p), last = closest_direction(q);
+    const Vector middle = 2 * closest_direction(at(sweep_, (time(now) + time(end)) / 2)) - (first + last) / 2;
+    const double squared = std::max({first.squaredNorm(), middle.squaredNorm(), last.squaredNorm()});
+    if (!(squared > 1e-280)) return false;
+    const Vector largest = first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs());
+    const double length = std::sqrt(squared) * (required_.distance + largest_arc(now, end));
+    const Lanes least = length + 2 * rounding_unit * project(sweep_.size, largest);
+    if (!(least.minCoeff() > 1e-290)) return false;
+    // Bernstein coefficients of the projections.
+    const Lanes b0 = project(p, first), b3 = project(q, last);
+    const Lanes b1 = (project(q, first) + 2 * project(p, middle)) / 3;
+    const Lanes b2 = (project(p, last) + 2 * project(q, middle)) / 3;
+    return (b0.min(b1).min(b2.min(b3)) - least).minCoeff() > 0;
+  }
+
   double largest_arc(int now, int end) const {
     const double nearest = std::clamp(0.5, time(now), time(end));
     return required_.arc * 4 * nearest * (1 - nearest);
   }
 
   int advance(int now) const {
-    int next = free_until(closest_direction(at(sweep_, time(now))), now, cells);
-    if (next == cells || next > now + 64) return next;
-    const auto consider = [&](const Vector& axis) {
-      next = std::max(next, free_until(axis, now, cells));
-      return next > now + 64;
-    };
     const Corners p = at(sweep_, time(now));
-    for (int reach = cells - now; reach > 0; reach /= 16) {
+    int next = free_until(closest_direction(p), now, cells);
+    if (next >= std::min(cells, now + 64)) return next;
+    // Wider and wider spans as long as that helps.
+    for (int reach = 1, last = now; reach <= cells - now; reach *= 16, last = next) {
       const Corners q = at(sweep_, time(now + reach));
-      if (consider(closest_direction(q))) return next;
+      if (bent_free(now, now + reach)) next = std::max(next, now + reach);
+      const auto consider = [&](const Corners& polygon) {
+        next = std::max(next, free_until(closest_direction(polygon), now, cells));
+      };
+      consider(q);
       for (int i = 0; i < 4; ++i) {
         const int j = (i + 1) % 4;
         Corners quad;
         for (int k = 0; k < 3; ++k) quad[k] = {p[k][i], p[k][j], q[k][j], q[k][i]};
-        if (consider(closest_direction(quad))) return next;
+        consider(quad);
       }
+      if (next == last) break;
     }
+    if (next > now) return next;
     for (int k = 0; k < 3; ++k) {
-      if (consider(Vector::Unit(k)) || consider(-Vector::Unit(k))) return next;
+      next = std::max({next, free_until(Vector::Unit(k), now, cells), free_until(-Vector::Unit(k), now, cells)});
     }
     return next;
   }
