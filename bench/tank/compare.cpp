@@ -45,13 +45,12 @@ std::vector<Faults> compare(const RecordedStep& step, const std::vector<const De
   for (const Numbers& pair : pairs) {
     std::vector<const BodyContact*> contacts;
     for (const Detection* answer : answers) contacts.push_back(find(*answer, pair));
-    if (std::all_of(contacts.begin(), contacts.end(),
-                    [&](const BodyContact* contact) { return same(contact, contacts.front()); })) {
-      continue;
-    }
     std::vector<double> real;  // time of each contact, infinity for none
-    for (const BodyContact* contact : contacts) {
-      real.push_back(contact ? judge(step, *contact).value_or(never) : never);
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const auto known = std::find_if(contacts.begin(), contacts.begin() + static_cast<std::ptrdiff_t>(i),
+                                      [&](const BodyContact* contact) { return same(contact, contacts[i]); });
+      const auto k = static_cast<std::size_t>(known - contacts.begin());
+      real.push_back(k < i ? real[k] : contacts[i] ? judge(step, *contacts[i]).value_or(never) : never);
     }
     const double earliest = *std::min_element(real.begin(), real.end());
     for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -25,8 +25,8 @@ struct Faults {
   friend bool operator==(const Faults&, const Faults&) = default;
 };
 
-/// Compares what several strategies answered about the same step. Where they agree, they are
-/// believed; the judge is asked about every contact of a pair on which they differ.
+/// Compares what several strategies answered about the same step. The judge is asked about every contact that one of
+/// them reports; the earliest real one of a pair is what the others are held against.
 std::vector<Faults> compare(const RecordedStep& step, const std::vector<const Detection*>& answers, const Judge& judge);
 
 }  // namespace encage::tank

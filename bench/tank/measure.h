@@ -19,7 +19,7 @@ struct MeasureOptions {
   /// a second, with half a million triangles and eighteen bodies. 0: they are not run.
   std::int64_t rebuild_steps = 10;
   int runs = 3;  ///< of the prebuilt strategies over all steps; each step counts with its median time
-  /// Asked where strategies differ. By default every contact is taken to happen: the one that lacks it missed it.
+  /// By default every contact is taken to happen when it was reported: a strategy that lacks it has missed it.
   Judge judge = [](const RecordedStep&, const BodyContact& c) { return std::optional(c.contact.time); };
   /// Called a few times a second from the calling thread.
   std::function<void(double fraction, std::string_view what)> progress = [](double, std::string_view) {};

@@ -13,11 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "bench/tank/exact_judge.h"
 #include "bench/tank/interpenetration.h"
 #include "bench/tank/measure.h"
+#include "bench/tank/measurement_report.h"
 #include "bench/tank/octopus.h"
 #include "bench/tank/recorded_poses.h"
-#include "bench/tank/report.h"
 #include "bench/tank/seconds.h"
 #include "bench/tank/simulate.h"
 #include "bench/tank/simulation_report.h"
@@ -215,6 +216,7 @@ int run(Arguments& a) {
   std::optional<Measurement> measured;
   if (!a.simulate_only) {
     a.measure.strategy.finest_cage = a.measure.strategy.coarsest_cage = a.level;
+    a.measure.judge = exact_judge(body, a.measure.strategy.contact);
     a.measure.progress = [&](double fraction, std::string_view what) {
       progress.update(fraction, what);
       tool::throw_if_interrupted();

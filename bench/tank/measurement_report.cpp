@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bench/tank/report.h"
+#include "bench/tank/measurement_report.h"
 
 #include <array>
 #include <cstdio>
