@@ -15,7 +15,7 @@ double total(const CpuSeconds& cpu) { return cpu.boxes + cpu.pairs + cpu.walls +
 
 nlohmann::ordered_json to_json(const Simulation& simulation) {
   const Statistics& s = simulation.statistics;
-  const auto steps = static_cast<std::int64_t>(simulation.recording.steps.size());
+  const auto steps = static_cast<std::int64_t>(s.energy.size());
   const Energy last = s.energy.empty() ? Energy{} : s.energy.back();
   return {{"steps", steps},
           {"body_steps", s.body_steps},
@@ -43,7 +43,7 @@ nlohmann::ordered_json to_json(const Simulation& simulation) {
 
 std::string to_text(const Simulation& simulation) {
   const Statistics& s = simulation.statistics;
-  const auto steps = static_cast<std::int64_t>(simulation.recording.steps.size());
+  const auto steps = static_cast<std::int64_t>(s.energy.size());
   std::array<char, 512> text;
   std::snprintf(text.data(), text.size(),
                 "simulated %lld steps: %.2f detections a step (%lld at most), %lld conflicts, %lld of %lld body-steps "
