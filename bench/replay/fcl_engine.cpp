@@ -20,6 +20,7 @@ struct FclEngine::Bodies {
 
   std::shared_ptr<Model> model = std::make_shared<Model>();
   std::map<std::int32_t, std::unique_ptr<fcl::CollisionObjectd>> objects;  // by body number; user data: its key
+  std::vector<fcl::CollisionObjectd*> present;                             // in `manager`
   fcl::DynamicAABBTreeCollisionManagerd manager;
 
   void place(const BodyPose& body) {
@@ -63,16 +64,16 @@ FclEngine::FclEngine(const TriangleMesh& mesh) : bodies_(std::make_unique<Bodies
 FclEngine::~FclEngine() = default;
 
 std::vector<BodyPair> FclEngine::touching(const PoseStep& step, const CageGate* gate) {
-  const std::size_t known = bodies_->objects.size();
   std::vector<fcl::CollisionObjectd*> present;
   for (const BodyPose& body : step.bodies) {
     bodies_->place(body);
     present.push_back(bodies_->objects.at(body.body).get());
   }
-  if (bodies_->objects.size() != known || bodies_->manager.size() != present.size()) {
+  if (present != bodies_->present) {
     bodies_->manager.clear();
     bodies_->manager.registerObjects(present);
     bodies_->manager.setup();
+    bodies_->present = present;
   } else {
     bodies_->manager.update(present);
   }
