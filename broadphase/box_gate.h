@@ -5,41 +5,50 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace encage {
 
-/// Separating axes for pairs of body-frame boxes during an interval: fixed axes
-/// in the common frame, on which both ends of the interval are tested.
-/// Projections of linearly moving points are linear in time, so an axis that separates
-/// both ends in the same sense separates throughout. In float; `gap` covers rounding
-/// (docs/guarantee.md, "Surfaces").
+/// Oriented-box gate: proves boxes of two body-frame trees apart during an interval.
+/// The boxes that are tested eight at a time rest in the frame of their body; those of the other
+/// body move past them on straight lines, which are not quite the true paths:
+/// `gap` covers the difference, and the rounding of float (docs/guarantee.md, "Surfaces"). An axis that
+/// separates both ends in the same sense separates throughout, as projections are linear in time.
 struct BoxGate {
-  static constexpr int axis_count = 15;
-  static constexpr int axis_lanes = 16;  ///< arrays are padded for SIMD; the last axis is never separating
-  using PerAxis = std::array<float, axis_lanes>;
+  static constexpr int axis_count = 12;  ///< beside the resting boxes' own: the other's, and their cross products
+  static constexpr int axis_lanes = 16;
+  using PerAxis = std::array<float, axis_lanes>;  ///< padded by axes that separate nothing
+  using Column = std::array<float, 4>;            ///< x, y, z, 0
 
-  /// One body: a box with centre c and half sizes h projects to direction . c +- size . h.
+  /// One body at rest, the other one moving.
   struct Side {
-    std::array<std::array<PerAxis, 3>, 2> direction;  ///< [end][coordinate][axis]
-    std::array<std::array<PerAxis, 3>, 2> size;       ///< absolute values of `direction`
-    std::array<PerAxis, 2> offset;                    ///< [end][axis]; of the other side: its negative
+    std::array<std::array<Column, 3>, 2> map;        ///< [end][column]: from the other's frame
+    std::array<std::array<Column, 3>, 2> magnitude;  ///< absolute values of `map`
+    std::array<Column, 2> offset;                    ///< [end]
+    std::array<PerAxis, 3> axis;                     ///< [coordinate]
+    std::array<PerAxis, 3> axis_size;                ///< absolute values of `axis`
+    std::array<std::array<PerAxis, 3>, 2> moving;    ///< [end][coordinate]: the axes in the other's frame
+    std::array<std::array<PerAxis, 3>, 2> moving_size;
+    std::array<PerAxis, 2> moving_offset;  ///< [end]
+    float gap = 0;                         ///< distance of projections that proves separation
+    bool works = false;                    ///< else nothing is proven
   };
-  alignas(64) Side a;
-  alignas(64) Side b;
-  int ends = 2;   ///< 1: at rest
-  float gap = 0;  ///< distance of projections that proves separation; infinite if nothing can be proven
+  alignas(64) Side a;  ///< a at rest, b moving
+  alignas(64) Side b;  ///< b at rest, a moving
+  int ends = 2;        ///< 1: both at rest
 
   /// Proves distances of more than `distance` in the common frame between surfaces within the radii.
   BoxGate(const PairMotion& motion, double radius_a, double radius_b, double distance);
+  BoxGate() = default;
 };
 
 /// Called with ranges of leaf triangles whose boxes are not proven apart; returns false to stop.
 using VisitLeaves = bool (*)(void* context, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b,
                              std::int32_t count_b);
 
-/// Visits every pair of leaves that the gate does not prove apart, in an order
-/// that depends on nothing but the arguments: neither on the instruction set. False if a visit stopped it.
-bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit,
+/// Visits every pair of leaves that one of the gates does not prove apart, once, in an order
+/// that depends on nothing but the arguments, nor on the instruction set. False if a visit stopped it.
+bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
                       void* context);
 
 }  // namespace encage

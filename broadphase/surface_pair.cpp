@@ -8,6 +8,16 @@
 namespace encage {
 namespace {
 
+/// The corners at the start, and at the end if there is another one.
+void move(const Surface& surface, const std::array<AffineMap, 2>& maps, const LeafTriangle& triangle, int ends,
+          MovingTriangle& moved) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d x = surface.vertex(triangle.vertices[k]);
+    moved.start[k] = maps[0](x);
+    if (ends == 2) moved.end[k] = maps[1](x);
+  }
+}
+
 /// Tests the triangles of pairs of leaves.
 struct LeafTest {
   const Surface& a;
@@ -19,16 +29,18 @@ struct LeafTest {
   void* context;
 
   bool apart(const MovingTriangle& ta, const MovingTriangle& tb) const {
-    if (effort == Effort::quick) return quickly_apart(ta, tb, distance);
-    if (motion.at_rest) return triangles_apart(ta.start, tb.start, distance);
-    return quickly_apart(ta, tb, distance) || moving_triangles_apart(ta, tb, distance);
+    if (motion.at_rest)
+      return boxes_apart(ta.start, tb.start, distance) || triangles_apart(ta.start, tb.start, distance);
+    return quickly_apart(ta, tb, distance) || (effort == Effort::full && moving_triangles_apart(ta, tb, distance));
   }
 
   bool leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) const {
+    const int ends = motion.at_rest ? 1 : 2;
     std::array<MovingTriangle, WideTree::leaf_size> moved;
-    for (std::int32_t i = 0; i < count_a; ++i) moved[i] = moving_triangle(a, motion.a, a.tree.leaves[first_a + i]);
+    for (std::int32_t i = 0; i < count_a; ++i) move(a, motion.a, a.tree.leaves[first_a + i], ends, moved[i]);
     for (std::int32_t j = first_b; j < first_b + count_b; ++j) {
-      const MovingTriangle tb = moving_triangle(b, motion.b, b.tree.leaves[j]);
+      MovingTriangle tb;
+      move(b, motion.b, b.tree.leaves[j], ends, tb);
       for (std::int32_t i = 0; i < count_a; ++i) {
         if (apart(moved[i], tb)) continue;
         if (!visit(context, a.tree.leaves[first_a + i].triangle, b.tree.leaves[j].triangle)) return false;
@@ -43,11 +55,7 @@ struct LeafTest {
 MovingTriangle moving_triangle(const Surface& surface, const std::array<AffineMap, 2>& maps,
                                const LeafTriangle& triangle) noexcept {
   MovingTriangle moved;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Eigen::Vector3d x = surface.vertex(triangle.vertices[k]);
-    moved.start[k] = maps[0](x);
-    moved.end[k] = maps[1](x);
-  }
+  move(surface, maps, triangle, 2, moved);
   return moved;
 }
 
@@ -65,7 +73,7 @@ bool visit_near_triangles(const Surface& a, const Surface& b, const PairMotion& 
   const BoxGate gate(motion, a.radius, b.radius, distance);
   LeafTest test{a, b, motion, distance, effort, visit, context};
   return visit_leaf_pairs(
-      a.tree, b.tree, gate,
+      a.tree, b.tree, {&gate, 1},
       [](void* leaf_test, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
         return static_cast<const LeafTest*>(leaf_test)->leaves(first_a, count_a, first_b, count_b);
       },

@@ -2,17 +2,20 @@
 #include <encage/asset.h>
 #include <encage/bake.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/command.h"
 #include "cagegen/tool/output_file.h"
+#include "src/asset_view.h"
 
 namespace encage::tool {
 
@@ -53,16 +56,49 @@ SourceMesh read_source(const std::filesystem::path& file) {
   }
 }
 
+bool same_bytes(std::span<const std::byte> x, std::span<const std::byte> y) {
+  return std::equal(x.begin(), x.end(), y.begin(), y.end());
+}
+
+/// What the asset stores for queries must be safe to traverse, and what the mesh implies.
+CheckReport::Check check_query_arrays(const AssetView& view, const CageHierarchy& hierarchy) {
+  const std::string subject = "query arrays";
+  std::size_t meshes = 0;
+  const auto require = [&](const std::optional<MeshArraysView>& stored, const TriangleMesh& mesh,
+                           const std::string& place) {
+    if (!stored) return;
+    const MeshArrays expected = make_mesh_arrays(mesh, place);
+    if (!same_bytes(std::as_bytes(stored->owned), std::as_bytes(std::span(expected.owned))) ||
+        !same_bytes(std::as_bytes(stored->parts), std::as_bytes(std::span(expected.parts)))) {
+      throw Error(place + ": owners or parts are not those of the mesh");
+    }
+    ++meshes;
+  };
+  try {
+    if (view.fine()) require(view.fine_arrays(), hierarchy.fine, fine_name);
+    for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+      require(view.cage_arrays(i), hierarchy.levels[i].mesh, cage_name(i));
+    }
+  } catch (const Error& error) {
+    return {subject, CheckVerdict::refuted, error.what()};
+  }
+  return {subject, CheckVerdict::holds,
+          meshes == 0 ? "none are stored" : "of " + std::to_string(meshes) + " meshes: trees, owners, parts"};
+}
+
 CheckReport check(const CheckArguments& a) {
   std::optional<SourceMesh> source;
   if (a.source) source = read_source(*a.source);
+  std::optional<AssetView> view;
   CageHierarchy hierarchy;
   try {
-    hierarchy = read_asset(a.asset, Verify::all);
+    view.emplace(a.asset, Verify::all);
+    hierarchy = copy_hierarchy(*view);
   } catch (const Error& error) {
     return {{{"file", CheckVerdict::refuted, error.what()}}};
   }
   CheckReport report = check_asset(hierarchy, source ? &*source : nullptr);
+  report.checks.insert(report.checks.begin(), check_query_arrays(*view, hierarchy));
   report.checks.insert(report.checks.begin(), {"file", CheckVerdict::holds, "every byte as written"});
   return report;
 }

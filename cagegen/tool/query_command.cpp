@@ -88,15 +88,6 @@ struct QueryResult {
   Counts totals{0};
 };
 
-ShapePtr load_shape(const std::filesystem::path& file) {
-  const CageHierarchy hierarchy = read_asset(file, Verify::all);
-  try {
-    return make_shape(hierarchy);
-  } catch (const Error& error) {
-    throw Error(file.string() + ": " + error.what());
-  }
-}
-
 std::vector<Level> paired_levels(const Shape& a, const Shape& b) {
   const auto faces = [](const Shape& shape, int k) -> std::int64_t {
     const int count = level_count(shape);
@@ -112,9 +103,10 @@ struct MovingBody {
   Motion motion;
 };
 
-/// The bodies of a step; in continuous mode those that the next step has as well.
+/// The bodies of a step; in continuous mode those that the next step has as well. Throws Error
+/// for a motion that is no motion of a step; `file` names the poses.
 std::vector<MovingBody> bodies_of(const PoseStep& step, const PoseStep* next, const Shape& first, const Shape& others,
-                                  std::int32_t first_body) {
+                                  std::int32_t first_body, const std::string& file) {
   std::vector<MovingBody> bodies;
   for (const BodyPose& body : step.bodies) {
     const Shape& shape = body.body == first_body ? first : others;
@@ -124,7 +116,13 @@ std::vector<MovingBody> bodies_of(const PoseStep& step, const PoseStep* next, co
     }
     const auto end = std::lower_bound(next->bodies.begin(), next->bodies.end(), body.body,
                                       [](const BodyPose& p, std::int32_t number) { return p.body < number; });
-    if (end != next->bodies.end() && end->body == body.body) bodies.push_back({&shape, {body.pose, end->pose}});
+    if (end == next->bodies.end() || end->body != body.body) continue;
+    const Motion motion = {body.pose, end->pose};
+    if (!is_usable(motion)) {
+      throw Error(file + ": step " + std::to_string(step.step) + ": body " + std::to_string(body.body) +
+                  " turns by 180 degrees or more until the next step");
+    }
+    bodies.push_back({&shape, motion});
   }
   return bodies;
 }
@@ -142,7 +140,7 @@ QueryResult query(const QueryArguments& a) {
   const std::size_t end = a.continuous ? poses.size() - 1 : poses.size();
   for (std::size_t i = 0; i < end; i += static_cast<std::size_t>(a.every)) {
     const std::vector<MovingBody> bodies =
-        bodies_of(poses[i], a.continuous ? &poses[i + 1] : nullptr, *first, *others, first_body);
+        bodies_of(poses[i], a.continuous ? &poses[i + 1] : nullptr, *first, *others, first_body, a.poses.string());
     Counts counts(result.levels.size());
     for (std::size_t p = 0; p < bodies.size(); ++p) {
       for (std::size_t q = p + 1; q < bodies.size(); ++q) {
@@ -247,8 +245,9 @@ void add_query(CLI::App& app, int& /*status*/) {
   query_app->add_option("A", a->asset_a, "Asset written by encage bake")->required()->type_name("A.glb");
   query_app->add_option("B", a->asset_b, "Asset of all bodies but the one with the lowest number")->type_name("B.glb");
   query_app->add_option("--poses", a->poses, "Poses of the bodies, step by step")->required()->type_name("FILE.csv");
-  query_app->add_flag("--continuous", a->continuous,
-                      "Each step stands for the motion to the next one; moving pairs are rejected by swept boxes only");
+  query_app->add_flag(
+      "--continuous", a->continuous,
+      "Each step stands for the motion to the next one: a pair is rejected if it stays apart all the way");
   query_app->add_option("--margin", a->margin, "Distance that has to be exceeded, in the unit of the assets")
       ->type_name("M");
   query_app->add_option("--every", a->every, "Take every K-th step only")->type_name("K");

@@ -9,3 +9,4 @@
 #include <encage/error.h>
 #include <encage/mesh.h>
 #include <encage/version.h>
+#include <encage/world.h>

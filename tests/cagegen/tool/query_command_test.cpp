@@ -125,8 +125,9 @@ TEST_F(QueryCommand, MarginAndSampling) {
 
 TEST_F(QueryCommand, ContinuousStepsAreMotionsToTheNext) {
   const std::string lines = run({path("two.glb"), "--poses", path("poses.csv"), "--continuous", "--per-step"});
-  // 2 moves from 9 to 5.4, 1 from 1.9 to 2.6: their boxes meet on the way; then 2 is gone.
-  EXPECT_EQ(lines, "step,pairs,boxes,cages_12,cages_12,touching\n4,3,2,2,2,2\n5,1,1,1,1,1\n");
+  // 2 moves from 9 to 5.4, 1 from 1.9 to 2.6: their swept boxes meet, but they are never nearer than 2.8; then 2 is
+  // gone.
+  EXPECT_EQ(lines, "step,pairs,boxes,cages_12,cages_12,touching\n4,3,2,2,1,1\n5,1,1,1,0,0\n");
 }
 
 TEST_F(QueryCommand, BadInputIsRefused) {
@@ -138,6 +139,14 @@ TEST_F(QueryCommand, BadInputIsRefused) {
   EXPECT_THROW(run({asset, "--poses", poses, "--margin", "inf"}), Error);
   EXPECT_THROW(run({asset, "--poses", poses, "--every", "0"}), Error);
   EXPECT_THROW(run({asset}), CLI::ParseError);
+  std::ofstream(path("half_turn.csv")) << "step,body,x,y,z,qx,qy,qz,qw\n0,7,0,0,0,0,0,0,1\n1,7,0,0,0,1,0,0,0\n";
+  try {
+    run({asset, "--poses", path("half_turn.csv"), "--continuous"});
+    ADD_FAILURE() << "a half turn was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(),
+              path("half_turn.csv") + ": step 0: body 7 turns by 180 degrees or more until the next step");
+  }
   std::ofstream(path("out.json")) << "kept";
   EXPECT_THROW(run({asset, "--poses", path("missing.csv"), "--json", path("out.json")}), Error);
   std::string content;
