@@ -13,6 +13,7 @@ using Vector = Eigen::Vector3d;
 using Lanes = Eigen::Array4d;
 using Corners = std::array<Lanes, 3>;  // x, y, z of four points
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int cells = 1 << 22;  // of the grid of times
 constexpr int most_steps = 1 << 10;
 // Times the projected magnitudes at both ends it bounds the rounding of a projection: differences
@@ -89,22 +90,23 @@ class Search {
   }
 
   /// The last cell border up to which the axis proves freedom from `now` on, `now` if none.
-  int free_until(const Vector& axis, int now, int end) const {
+  int free_until(const Vector& axis, int now) const {
     const double squared = axis.squaredNorm();
     if (!(squared > 1e-280)) return now;
-    const double length = std::sqrt(squared) * (required_.distance + largest_arc(now, end));
-    const Lanes least = length + rounding_unit * project(sweep_.size, axis.cwiseAbs());
-    if (!(least.minCoeff() > 1e-290)) return now;
-    const Lanes s = project(sweep_.start, axis);
-    const Lanes d = project(sweep_.end, axis) - s;
+    const double length = std::sqrt(squared);
+    const Line required = line(time(now));
+    const Lanes slack = rounding(length, axis.cwiseAbs());
+    const Lanes s = project(sweep_.start, axis), d = project(sweep_.end, axis) - s - length * required.slope;
+    const Lanes least = length * required.value + slack;
+    if (!(least.minCoeff() > 1e-290 && least.sum() < infinity)) return now;
     const auto free_at = [&](int cell) { return (s + time(cell) * d - least).minCoeff() > 0; };
     if (!free_at(now)) return now;
-    if (free_at(end)) return end;
-    double first = time(end);
+    if (free_at(cells)) return cells;
+    double first = 1;
     for (int i = 0; i < 4; ++i) {
       if (d[i] < 0) first = std::min(first, (least[i] - s[i]) / d[i]);
     }
-    const int cell = std::clamp(static_cast<int>(first * cells), now, end);
+    const int cell = std::clamp(static_cast<int>(first * cells), now, cells);
     if (free_at(cell)) return cell;
     return cell > now && free_at(cell - 1) ? cell - 1 : now;
   }
@@ -138,32 +140,43 @@ class Search {
     const Vector middle = 2 * closest_direction(at(sweep_, (time(now) + time(end)) / 2)) - (first + last) / 2;
     const double squared = std::max({first.squaredNorm(), middle.squaredNorm(), last.squaredNorm()});
     if (!(squared > 1e-280)) return false;
-    const Vector largest = first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs());
-    const double length = std::sqrt(squared) * (required_.distance + largest_arc(now, end));
-    const Lanes least = length + 2 * rounding_unit * project(sweep_.size, largest);
-    if (!(least.minCoeff() > 1e-290)) return false;
-    // Bernstein coefficients of the projections.
-    const Lanes b0 = project(p, first), b3 = project(q, last);
-    const Lanes b1 = (project(q, first) + 2 * project(p, middle)) / 3;
-    const Lanes b2 = (project(p, last) + 2 * project(q, middle)) / 3;
-    return (b0.min(b1).min(b2.min(b3)) - least).minCoeff() > 0;
+    const double length = std::sqrt(squared);
+    const Line required = line((time(now) + time(end)) / 2);
+    const double r0 = length * (required.value + time(now) * required.slope);
+    const double r3 = length * (required.value + time(end) * required.slope);
+    const Lanes slack = 2 * rounding(length, first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs()));
+    if (!(slack.minCoeff() > 1e-290 && slack.sum() < infinity)) return false;
+    // Bernstein coefficients of the projections less the requirement.
+    const Lanes b0 = project(p, first) - r0, b3 = project(q, last) - r3;
+    const Lanes b1 = (project(q, first) + 2 * project(p, middle) - (2 * r0 + r3)) / 3;
+    const Lanes b2 = (project(p, last) + 2 * project(q, middle) - (r0 + 2 * r3)) / 3;
+    return (b0.min(b1).min(b2.min(b3)) - slack).minCoeff() > 0;
   }
 
-  double largest_arc(int now, int end) const {
-    const double nearest = std::clamp(0.5, time(now), time(end));
-    return required_.arc * 4 * nearest * (1 - nearest);
+  struct Line {
+    double value, slope;
+  };
+  /// Not below the requirement, and equal to it at `touching`: the arc is concave in time.
+  Line line(double touching) const {
+    const double arc = 4 * required_.arc;
+    return {required_.distance + arc * touching * touching, arc * (1 - 2 * touching)};
+  }
+
+  /// Bounds the rounding of projections and of what they are compared with.
+  Lanes rounding(double length, const Vector& axis) const {
+    return rounding_unit * (project(sweep_.size, axis) + length * (required_.distance + 4 * required_.arc));
   }
 
   int advance(int now) const {
     const Corners p = at(sweep_, time(now));
-    int next = free_until(closest_direction(p), now, cells);
+    int next = free_until(closest_direction(p), now);
     if (next >= std::min(cells, now + 64)) return next;
     // Wider and wider spans as long as that helps.
     for (int reach = 1, last = now; reach <= cells - now; reach *= 16, last = next) {
       const Corners q = at(sweep_, time(now + reach));
       if (bent_free(now, now + reach)) next = std::max(next, now + reach);
       const auto consider = [&](const Corners& polygon) {
-        next = std::max(next, free_until(closest_direction(polygon), now, cells));
+        next = std::max(next, free_until(closest_direction(polygon), now));
       };
       consider(q);
       for (int i = 0; i < 4; ++i) {
@@ -176,7 +189,7 @@ class Search {
     }
     if (next > now) return next;
     for (int k = 0; k < 3; ++k) {
-      next = std::max({next, free_until(Vector::Unit(k), now, cells), free_until(-Vector::Unit(k), now, cells)});
+      next = std::max({next, free_until(Vector::Unit(k), now), free_until(-Vector::Unit(k), now)});
     }
     return next;
   }
@@ -189,8 +202,8 @@ class Search {
 std::optional<double> first(Sweep& sweep, const Requirement& required) {
   for (int k = 0; k < 3; ++k) sweep.size[k] = sweep.start[k].abs() + sweep.end[k].abs();
   const Lanes size = sweep.size[0] + sweep.size[1] + sweep.size[2];
-  // Neither NaN nor infinity, which comparisons of least values could lose.
-  if (!(size.sum() < std::numeric_limits<double>::infinity())) return 0.0;
+  // Neither NaN nor what could overflow to it: taking least values might lose it.
+  if (!(size.sum() < 1e100)) return 0.0;
   if (!(required.distance >= 0 && required.arc >= 0)) return 0.0;
   const Search search(sweep, required, rounding_unit * size.maxCoeff());
   if (search.quickly_free()) return std::nullopt;

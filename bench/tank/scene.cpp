@@ -12,7 +12,7 @@ namespace {
 constexpr double width_in_radii = 1.1 / 1.01;
 constexpr double entry_gap = 0.1;       // in radii
 constexpr double lowest_entry = 3;      // in radii, of the centre
-constexpr double feed_per_second = 1;   // bouncing: velocities grow by this share at most
+constexpr double feed_per_second = 8;   // bouncing: velocities grow by this share at most
 constexpr double drain_per_second = 8;  // resting: damping of the velocities in the end
 constexpr double seconds_to_full_drain = 2;
 

@@ -31,9 +31,11 @@ struct MovingPoints {
 
 /// First contact of the vertex points[0] and the face points[1], [2], [3]: a lower bound of its time in
 /// [0, 1], a multiple of 2^-22, or no value if proven that there is none up to
-/// options.latest. No contact is missed; one is reported although there is none only where
-/// the features come closer than the margin plus rounding (2^-46 of the largest coordinate), or
-/// within 2^-22 of the step before a true one. Never throws, never allocates.
+/// options.latest. No contact is missed. One is reported although there is none, or earlier than 2^-21
+/// before it, only where the features come closer than the margin plus rounding (2^-46 of the largest
+/// difference of their coordinates, of margin and arc), with a margin now and then plus their motion in
+/// 2^-22 of the step. Contact at time 0 if a number is not finite, or negative where it must not be; so for
+/// features smaller than 1e-40 or farther than 1e40. Never throws, never allocates.
 std::optional<double> vertex_face_time(const MovingPoints& points, const ContactOptions& options = {}) noexcept;
 
 /// The same for the edges points[0] points[1] and points[2] points[3].

@@ -27,7 +27,6 @@ TEST(Interpenetration, CountsPairs) {
 TEST(Interpenetration, TouchingCounts) {
   const TriangleMesh cube = shapes::cube(1);
   EXPECT_EQ(interpenetrations(cube, {0, {at(0, {0, 0, 0}), at(1, {2, 0, 0})}}), 1);
-  EXPECT_EQ(interpenetrations(cube, {0, {at(0, {0, 0, 0}), at(1, {2 + 1e-15, 2, 0})}}), 1);
   EXPECT_EQ(interpenetrations(cube, {0, {at(0, {0, 0, 0}), at(1, {2 + 1e-14, 2, 0})}}), 0);
 }
 
@@ -40,7 +39,7 @@ TEST(Interpenetration, SeesThroughConcavities) {
   EXPECT_EQ(interpenetrations(ring, {0, {at(0, {0, 0, 0}), other}}), 0);
   other.pose.translation().x() = 0.3;
   EXPECT_EQ(interpenetrations(ring, {0, {at(0, {0, 0, 0}), other}}), 1);
-  other.pose.translation() = {0.0, 0, 0.9};
+  other.pose.translation() = Eigen::Vector3d(0, 0, 0.9);
   EXPECT_EQ(interpenetrations(ring, {0, {at(0, {0, 0, 0}, 0.1), other}}), 1);
 }
 

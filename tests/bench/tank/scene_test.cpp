@@ -21,7 +21,8 @@ TEST(Scene, NamesGoBothWays) {
 TEST(Scene, RefusesNonsenseByName) {
   const MassProperties mass = body();
   EXPECT_NO_THROW(validate({}, mass));
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                          infinity = std::numeric_limits<double>::infinity();
   struct Case {
     const char* option;
     std::function<void(SceneOptions&)> change;

@@ -181,7 +181,7 @@ TEST(VelocityFilter, HoldsABodyThatWouldTurnMoreThanDetectionCanFollow) {
   options.dt = 0.1;
   VelocityFilter filter(detector, mass, {}, options);
   std::vector<BodyState> bodies = {at(mass, {0, 0, 0}, {1, 0, 0})};
-  bodies[0].angular_momentum = Eigen::Vector3d(1e9, 0, 0);
+  bodies[0].angular_momentum = 1e9 * bodies[0].rotation.col(2);
   FilterReport report;
   filter.step(bodies, report);
   EXPECT_EQ(report.held, 1);
@@ -194,7 +194,7 @@ TEST(VelocityFilter, CollisionsCanBeSwitchedOff) {
   FilterOptions options;
   options.collisions = false;
   VelocityFilter filter(detector, mass, tank_walls(3), options);
-  std::vector<BodyState> bodies = {at(mass, {-1.5, 0, 5}, {3, 0, 0}), at(mass, {1.5, 0, 5}, {-3, 0, 0})};
+  std::vector<BodyState> bodies = {at(mass, {-1.5, 0, 1.5}, {3, 0, 0}), at(mass, {1.5, 0, 1.5}, {-3, 0, 0})};
   FilterReport report;
   for (int i = 0; i < 480; ++i) filter.step(bodies, report);
   EXPECT_LT(closest(bodies), 1);
