@@ -9,6 +9,7 @@ EncageEngine::EncageEngine(ShapePtr shape) : shape_(std::move(shape)) {}
 
 std::vector<BodyPair> EncageEngine::touching(const PoseStep& step, const CageGate* gate) {
   PairOptions options;
+  options.boxes = false;
   options.cages = gate != nullptr;
   if (gate) options.finest_cage = options.coarsest_cage = gate->level();
   std::vector<BodyPair> pairs;

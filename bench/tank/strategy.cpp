@@ -93,6 +93,7 @@ StageCounts& StageCounts::operator+=(const StageCounts& other) {
 
 PairFilter::PairFilter(const TankBody& body, bool cages, const StrategyOptions& options)
     : body_(body), cages_(cages), distance_(options.contact.margin + options.contact.arc) {
+  cage_options_.boxes = false;
   cage_options_.finest_cage = options.finest_cage;
   cage_options_.coarsest_cage = options.coarsest_cage;
   cage_options_.fine = false;
