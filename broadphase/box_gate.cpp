@@ -7,6 +7,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -19,19 +20,24 @@ using Lanes = hn::CappedTag<float, WideNode::width>;     // boxes of a node
 using Axes = hn::CappedTag<float, BoxGate::axis_lanes>;  // axes of a gate
 using Coordinates = hn::CappedTag<float, 4>;             // x, y, z
 
-/// A box of one tree: the index of its node times the width of a node, plus its lane.
-using BoxIndex = std::int32_t;
-
+/// A box of a tree, in places of its grid, with what is below it.
 struct Box {
   std::array<float, 3> centre, half;
+  float size;  ///< only to compare with the other tree's
+  std::uint32_t link;
 
-  Box(const WideNode& node, int lane) {
+  Box() = default;
+  Box(const WideTreeView& tree, const WideNode& node, int lane) : size(0), link(node.link[lane]) {
     for (int axis = 0; axis < 3; ++axis) {
-      centre[axis] = 0.5F * (node.lower[axis][lane] + node.upper[axis][lane]);
-      half[axis] = 0.5F * (node.upper[axis][lane] - node.lower[axis][lane]);
+      const int lower = node.lower[axis][lane], upper = node.upper[axis][lane];
+      centre[axis] = 0.5F * static_cast<float>(lower + upper);
+      half[axis] = 0.5F * static_cast<float>(upper - lower);
+      const float extent = half[axis] * tree.grid.step[axis];
+      size += extent * extent;
     }
   }
-  float size() const { return half[0] * half[0] + half[1] * half[1] + half[2] * half[2]; }
+  int count() const { return WideNode::count_of(link); }
+  std::int32_t child() const { return WideNode::child_of(link); }
 };
 
 /// Bounds of a moving box over the interval, widened by the gap: a resting box beyond them is apart.
@@ -42,14 +48,14 @@ struct Bounds {
 };
 
 /// Projections of a box that moves linearly: `direction` and `size` by [end][coordinate], `offset` by [end].
-template <int kEnds, class Tag, class Directions, class Offsets, std::size_t kCount>
-void sweep(Tag d, const Directions& direction, const Directions& size, const Offsets& offset, float gap, const Box& box,
-           Bounds<kCount>& bounds) {
+template <int kEnds, class Tag, class Directions, class Offsets, class Gap, std::size_t kCount>
+HWY_INLINE void sweep(Tag d, const Directions& direction, const Directions& size, const Offsets& offset, const Gap& gap,
+                      const Box& box, Bounds<kCount>& bounds) {
   for (std::size_t k = 0; k < kCount; k += hn::Lanes(d)) {
     auto low = hn::Zero(d), high = low;
     for (int end = 0; end < kEnds; ++end) {
       auto centre = hn::LoadU(d, offset[end].data() + k);
-      auto reach = hn::Set(d, gap);
+      auto reach = hn::LoadU(d, gap.data() + k);
       for (int i = 0; i < 3; ++i) {
         centre = hn::Add(centre, hn::Mul(hn::LoadU(d, direction[end][i].data() + k), hn::Set(d, box.centre[i])));
         reach = hn::Add(reach, hn::Mul(hn::LoadU(d, size[end][i].data() + k), hn::Set(d, box.half[i])));
@@ -62,28 +68,31 @@ void sweep(Tag d, const Directions& direction, const Directions& size, const Off
   }
 }
 
-/// Bits of the used lanes of a node that are not apart along a coordinate.
-std::uint32_t lanes_within(const WideNode& node, const Bounds<4>& bounds) {
+/// Bits of the lanes of a node that are not apart along a coordinate; bounds in stored places.
+HWY_INLINE std::uint32_t lanes_within(const WideNode& node, const Bounds<4>& bounds) {
   const Lanes d;
   const hn::RebindToSigned<Lanes> di;
+  const hn::Rebind<std::int16_t, Lanes> d16;
+  const auto places = [&](const std::int16_t* p) { return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, p))); };
   std::uint32_t result = 0;
   for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
     auto apart = hn::FirstN(d, 0);
     for (int axis = 0; axis < 3; ++axis) {
-      apart = hn::Or(apart, hn::Gt(hn::LoadU(d, node.lower[axis] + first), hn::Set(d, bounds.high[axis])));
-      apart = hn::Or(apart, hn::Lt(hn::LoadU(d, node.upper[axis] + first), hn::Set(d, bounds.low[axis])));
+      apart = hn::Or(apart, hn::Gt(places(node.lower[axis] + first), hn::Set(d, bounds.high[axis])));
+      apart = hn::Or(apart, hn::Lt(places(node.upper[axis] + first), hn::Set(d, bounds.low[axis])));
     }
-    const auto used = hn::RebindMask(d, hn::Gt(hn::LoadU(di, node.count + first), hn::Set(di, WideNode::unused)));
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::AndNot(apart, used), bits);
+    hn::StoreMaskBits(d, hn::Not(apart), bits);
     result |= static_cast<std::uint32_t>(bits[0]) << first;
   }
   return result;
 }
 
 /// Whether an axis of the gate shows a resting box beyond the bounds.
-bool separated_by_axis(const BoxGate::Side& side, const Box& box, const Bounds<BoxGate::axis_lanes>& bounds) {
+HWY_INLINE bool separated_by_axis(const BoxGate::Side& side, const Box& box,
+                                  const Bounds<BoxGate::axis_lanes>& bounds) {
   const Axes d;
+  bool any = false;
   for (std::size_t k = 0; k < BoxGate::axis_lanes; k += hn::Lanes(d)) {
     auto centre = hn::Mul(hn::LoadU(d, &side.axis[0][k]), hn::Set(d, box.centre[0]));
     auto reach = hn::Mul(hn::LoadU(d, &side.axis_size[0][k]), hn::Set(d, box.half[0]));
@@ -93,33 +102,12 @@ bool separated_by_axis(const BoxGate::Side& side, const Box& box, const Bounds<B
     }
     const auto apart = hn::Or(hn::Gt(hn::Sub(centre, reach), hn::Load(d, &bounds.high[k])),
                               hn::Lt(hn::Add(centre, reach), hn::Load(d, &bounds.low[k])));
-    if (!hn::AllFalse(d, apart)) return true;
+    any = any || !hn::AllFalse(d, apart);
   }
-  return false;
+  return any;
 }
 
-/// Bits of the lanes of `node`, at rest, that are not proven apart from the moving box.
-template <int kEnds>
-std::uint32_t near_lanes(const BoxGate::Side& side, const WideNode& node, const Box& moving) {
-  Bounds<4> swept;
-  sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.gap, moving, swept);
-  std::uint32_t near = lanes_within(node, swept);
-  if (near == 0) return 0;
-  Bounds<BoxGate::axis_lanes> projected;
-  sweep<kEnds>(Axes(), side.moving, side.moving_size, side.moving_offset, side.gap, moving, projected);
-  for (std::uint32_t left = near; left != 0; left &= left - 1) {
-    const int lane = __builtin_ctz(left);
-    if (separated_by_axis(side, Box(node, lane), projected)) near &= ~(1U << lane);
-  }
-  return near;
-}
-
-std::uint32_t used_lanes(const WideNode& node) {
-  std::uint32_t used = 0;
-  for (int lane = 0; lane < WideNode::width; ++lane) used |= (node.count[lane] != WideNode::unused ? 1U : 0U) << lane;
-  return used;
-}
-
+/// Depth first, but several pairs at a time where there are several: their tests do not wait for each other.
 class Traversal {
  public:
   Traversal(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
@@ -127,49 +115,91 @@ class Traversal {
       : a_(a), b_(b), gates_(gates), visit_(visit), context_(context) {}
 
   bool run() {
+    const WideNode& root = b_.nodes[0];
     for (int lane = 0; lane < WideNode::width; ++lane) {
-      if (b_.nodes[0].count[lane] != WideNode::unused) open<&BoxGate::a>(a_, 0, b_, lane);
+      if (root.count(lane) == WideNode::unused) continue;
+      tasks_[0] = {Box(b_, root, lane), &a_.nodes[0], true};
+      open(1);
     }
     while (size_ > 0) {
-      const Pair pair = stack_[--size_];
-      const WideNode& na = a_.nodes[pair.a / WideNode::width];
-      const WideNode& nb = b_.nodes[pair.b / WideNode::width];
-      const int la = pair.a % WideNode::width, lb = pair.b % WideNode::width;
-      if (na.count[la] > 0 && nb.count[lb] > 0) {
-        if (!visit_(context_, na.child[la], na.count[la], nb.child[lb], nb.count[lb])) return false;
-      } else if (nb.count[lb] > 0 || (na.count[la] == 0 && Box(na, la).size() >= Box(nb, lb).size())) {
-        open<&BoxGate::a>(a_, na.child[la], b_, pair.b);
-      } else {
-        open<&BoxGate::b>(b_, nb.child[lb], a_, pair.a);
+      const int taken = size_ > crowded ? 1 : std::min(size_, batch);
+      int opened = 0;
+      for (int i = 0; i < taken; ++i) {
+        const Pair& pair = stack_[--size_];
+        const int count_a = pair.a.count(), count_b = pair.b.count();
+        if (count_a > 0 && count_b > 0) {
+          if (!visit_(context_, pair.a.child(), count_a, pair.b.child(), count_b)) return false;
+          continue;
+        }
+        const bool open_a = count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size);
+        tasks_[opened++] = {open_a ? pair.b : pair.a, open_a ? &a_.nodes[pair.a.child()] : &b_.nodes[pair.b.child()],
+                            open_a};
       }
+      open(opened);
     }
     return true;
   }
 
  private:
   struct Pair {
-    BoxIndex a, b;
+    Box a, b;
   };
-  static constexpr int stack_size = WideNode::width * (2 * WideTree::max_depth + 8);
+  /// A node whose boxes are tested, at rest, against a moving box of the other tree.
+  struct Task {
+    Box moving;
+    const WideNode* node;
+    bool opens_a;
+  };
+  static constexpr int batch = 8;
+  static constexpr int crowded = 256;  // from here on one at a time, which bounds the stack
+  static constexpr int stack_size = crowded + WideNode::width * (batch + 2 * WideTree::max_depth + 8);
 
-  /// Puts the boxes of a node of the tree at rest on the stack, each with the other tree's box.
-  template <BoxGate::Side BoxGate::*kSide>
-  void open(const WideTreeView& resting, std::int32_t node_index, const WideTreeView& moving, BoxIndex box_index) {
-    const WideNode& node = resting.nodes[node_index];
-    const Box box(moving.nodes[box_index / WideNode::width], box_index % WideNode::width);
-    std::uint32_t near = 0;
+  /// Puts on the stack what the first `count` tasks do not prove apart.
+  void open(int count) {
+    std::array<std::uint32_t, batch> near{};
     for (const BoxGate& gate : gates_) {
-      const BoxGate::Side& side = gate.*kSide;
-      near |= !side.works      ? used_lanes(node)
-              : gate.ends == 1 ? near_lanes<1>(side, node, box)
-                               : near_lanes<2>(side, node, box);
+      if (gate.ends == 1) {
+        find_near<1>(gate, count, near);
+      } else {
+        find_near<2>(gate, count, near);
+      }
     }
-    // The first lane on top.
-    while (near != 0) {
-      const int lane = 31 - __builtin_clz(near);
-      near &= ~(1U << lane);
-      const BoxIndex opened = node_index * WideNode::width + lane;
-      stack_[size_++] = kSide == &BoxGate::a ? Pair{opened, box_index} : Pair{box_index, opened};
+    for (int i = count - 1; i >= 0; --i) {
+      const Task& task = tasks_[i];
+      // The first lane on top.
+      for (std::uint32_t left = near[i]; left != 0;) {
+        const int lane = 31 - __builtin_clz(left);
+        left &= ~(1U << lane);
+        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        stack_[size_++] = task.opens_a ? Pair{box, task.moving} : Pair{task.moving, box};
+      }
+    }
+  }
+
+  /// Adds the lanes of the tasks' nodes that the gate does not prove apart.
+  template <int kEnds>
+  void find_near(const BoxGate& gate, int count, std::array<std::uint32_t, batch>& near) const {
+    std::array<std::uint32_t, batch> within;
+    for (int i = 0; i < count; ++i) {
+      const Task& task = tasks_[i];
+      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
+      Bounds<4> swept;
+      sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.place_gap, task.moving, swept);
+      within[i] = side.works ? lanes_within(*task.node, swept) : (1U << WideNode::width) - 1;
+    }
+    for (int i = 0; i < count; ++i) {
+      if (within[i] == 0) continue;
+      const Task& task = tasks_[i];
+      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
+      Bounds<BoxGate::axis_lanes> projected;
+      sweep<kEnds>(Axes(), side.moving, side.moving_size, side.moving_offset, side.gap, task.moving, projected);
+      for (std::uint32_t left = within[i]; left != 0; left &= left - 1) {
+        const int lane = __builtin_ctz(left);
+        const bool used = task.node->count(lane) != WideNode::unused;
+        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        const bool apart = side.works && separated_by_axis(side, box, projected);
+        near[i] |= static_cast<std::uint32_t>(used && !apart) << lane;
+      }
     }
   }
 
@@ -179,6 +209,7 @@ class Traversal {
   VisitLeaves visit_;
   void* context_;
   int size_ = 0;
+  std::array<Task, batch> tasks_;
   std::array<Pair, stack_size> stack_;
 };
 
@@ -201,6 +232,8 @@ using Matrix = Eigen::Matrix3d;
 double norm_bound(const Matrix& m) {
   return std::sqrt(1 + (m.transpose() * m - Matrix::Identity()).norm()) * (1 + 1e-14);
 }
+
+Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
 BoxGate::Column column(const Vector& v) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
@@ -230,9 +263,13 @@ std::array<Vector, BoxGate::axis_count> oblique_axes(const Matrix& other) {
 }
 
 /// `maps` of the body at rest, `others` of the moving one, to the common frame at both ends of the interval.
-BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const std::array<AffineMap, 2>& others, int ends,
-                        double radius, double other_radius, double distance) {
+BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& body,
+                        const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
   BoxGate::Side side{};
+  // Local coordinates are middle + step * stored place.
+  const Vector step = as_vector(body.grid.step), middle = as_vector(body.grid.origin) + 32768 * step;
+  const Vector other_step = as_vector(other.grid.step);
+  const Vector other_middle = as_vector(other.grid.origin) + 32768 * other_step;
   std::array<AffineMap, 2> relative;
   double stretch = 1, offset = 0;
   for (int end = 0; end < ends; ++end) {
@@ -241,17 +278,18 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const std::array<A
     stretch = std::max(stretch, norm_bound(relative[end].linear));
     offset = std::max(offset, relative[end].offset.norm());
     for (int k = 0; k < 3; ++k) {
-      side.map[end][k] = column(relative[end].linear.col(k));
+      side.map[end][k] = column((relative[end].linear.col(k) * other_step[k]).cwiseQuotient(step));
       for (std::size_t i = 0; i < 4; ++i) side.magnitude[end][k][i] = std::abs(side.map[end][k][i]);
     }
-    side.offset[end] = column(relative[end].offset);
+    side.offset[end] = column((relative[end](other_middle) - middle).cwiseQuotient(step));
   }
   const auto axes = oblique_axes(relative[0].linear);
   for (int k = 0; k < BoxGate::axis_count; ++k) {
-    set_axis(side.axis, side.axis_size, k, axes[k]);
+    set_axis(side.axis, side.axis_size, k, axes[k].cwiseProduct(step));
     for (int end = 0; end < ends; ++end) {
-      set_axis(side.moving[end], side.moving_size[end], k, relative[end].linear.transpose() * axes[k]);
-      side.moving_offset[end][k] = static_cast<float>(axes[k].dot(relative[end].offset));
+      const Vector seen = relative[end].linear.transpose() * axes[k];
+      set_axis(side.moving[end], side.moving_size[end], k, seen.cwiseProduct(other_step));
+      side.moving_offset[end][k] = static_cast<float>(axes[k].dot(relative[end](other_middle) - middle));
     }
   }
 
@@ -261,24 +299,26 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const std::array<A
   double shrink = 1 / norm_bound(maps[0].linear.inverse()), bulge = 0;
   if (ends == 2) {
     const double turn = (maps[1].linear - maps[0].linear).norm();
-    const double way = (relative[1].linear - relative[0].linear).norm() * other_radius +
+    const double way = (relative[1].linear - relative[0].linear).norm() * other.radius +
                        (relative[1].offset - relative[0].offset).norm();
     bulge = 0.25 * turn * way * (1 + 1e-9);
     shrink -= turn;
   }
-  // 64 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
-  const double size = radius + stretch * other_radius + offset;
-  const double required = (distance + bulge) / shrink + 0x1p-18 * size + 0x1p-120;
-  side.works = shrink > 0.05 && stretch < 1e3 && size < 1e30 && required < 1e30;
-  side.gap = std::nextafter(static_cast<float>(side.works ? required : 0), std::numeric_limits<float>::infinity());
+  // 128 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
+  const double size = body.radius + middle.norm() + stretch * (other.radius + other_middle.norm()) + offset;
+  const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
+  side.works = shrink > 0.05 && stretch < 1e3 && size < 1e30 && gap < 1e30;
+  if (!side.works) return side;
+  side.gap.fill(std::nextafter(static_cast<float>(gap), std::numeric_limits<float>::infinity()));
+  side.place_gap = column(Vector::Constant(gap * (1 + 0x1p-22)).cwiseQuotient(step));
   return side;
 }
 
 }  // namespace
 
-BoxGate::BoxGate(const PairMotion& motion, double radius_a, double radius_b, double distance)
-    : a(make_side(motion.a, motion.b, motion.at_rest ? 1 : 2, radius_a, radius_b, distance)),
-      b(make_side(motion.b, motion.a, motion.at_rest ? 1 : 2, radius_b, radius_a, distance)),
+BoxGate::BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance)
+    : a(make_side(motion.a, body_a, motion.b, body_b, motion.at_rest ? 1 : 2, distance)),
+      b(make_side(motion.b, body_b, motion.a, body_a, motion.at_rest ? 1 : 2, distance)),
       ends(motion.at_rest ? 1 : 2) {}
 
 HWY_EXPORT(visit_leaf_pairs);

@@ -9,6 +9,12 @@
 
 namespace encage {
 
+/// What a gate has to know of a body: where its vertices are at most, and the grid of its tree.
+struct GateBody {
+  double radius = 0;
+  TreeGrid grid;
+};
+
 /// Oriented-box gate: proves boxes of two body-frame trees apart during an interval.
 /// The boxes that are tested eight at a time rest in the frame of their body; those of the other
 /// body move past them on straight lines, which are not quite the true paths:
@@ -22,24 +28,26 @@ struct BoxGate {
 
   /// One body at rest, the other one moving.
   struct Side {
+    // Along the coordinates, in places of the resting body's grid, 0 to 65535.
     std::array<std::array<Column, 3>, 2> map;        ///< [end][column]: from the other's frame
     std::array<std::array<Column, 3>, 2> magnitude;  ///< absolute values of `map`
     std::array<Column, 2> offset;                    ///< [end]
-    std::array<PerAxis, 3> axis;                     ///< [coordinate]
-    std::array<PerAxis, 3> axis_size;                ///< absolute values of `axis`
-    std::array<std::array<PerAxis, 3>, 2> moving;    ///< [end][coordinate]: the axes in the other's frame
+    Column place_gap;                                ///< distance that proves separation
+    // Along the axes.
+    std::array<PerAxis, 3> axis;                   ///< [coordinate]
+    std::array<PerAxis, 3> axis_size;              ///< absolute values of `axis`
+    std::array<std::array<PerAxis, 3>, 2> moving;  ///< [end][coordinate]: the axes in the other's frame
     std::array<std::array<PerAxis, 3>, 2> moving_size;
     std::array<PerAxis, 2> moving_offset;  ///< [end]
-    float gap = 0;                         ///< distance of projections that proves separation
+    PerAxis gap;                           ///< distance of projections that proves separation
     bool works = false;                    ///< else nothing is proven
   };
   alignas(64) Side a;  ///< a at rest, b moving
   alignas(64) Side b;  ///< b at rest, a moving
   int ends = 2;        ///< 1: both at rest
 
-  /// Proves distances of more than `distance` in the common frame between surfaces within the radii.
-  BoxGate(const PairMotion& motion, double radius_a, double radius_b, double distance);
-  BoxGate() = default;
+  /// Proves distances of more than `distance` in the common frame.
+  BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance);
 };
 
 /// Called with ranges of leaf triangles whose boxes are not proven apart; returns false to stop.

@@ -16,14 +16,14 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// False only if the ray from `p` is proven to miss the box. Each quotient is
 /// off by at most 2 eps relatively: two roundings.
-bool may_meet(const Ray& ray, const WideNode& node, int lane, const Vector& p) {
+bool may_meet(const Ray& ray, const WideTreeView& tree, const WideNode& node, int lane, const Vector& p) {
   const std::array<double, 3> direction = {1, ray.slope1, ray.slope2};
   double enter = 0;
   double leave = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const int axis = (ray.axis + k) % 3;
-    double t0 = (static_cast<double>(node.lower[axis][lane]) - p[axis]) / direction[k];
-    double t1 = (static_cast<double>(node.upper[axis][lane]) - p[axis]) / direction[k];
+    double t0 = (static_cast<double>(tree.lower(node, axis, lane)) - p[axis]) / direction[k];
+    double t1 = (static_cast<double>(tree.upper(node, axis, lane)) - p[axis]) / direction[k];
     if (t0 > t1) std::swap(t0, t1);
     enter = std::max(enter, t0 - 8 * eps * std::abs(t0));
     leave = std::min(leave, t1 + 8 * eps * std::abs(t1));
@@ -82,12 +82,12 @@ std::optional<int> winding(const Surface& surface, const Ray& ray, const Vector&
   while (size > 0) {
     const WideNode& node = surface.tree.nodes[stack[--size]];
     for (int lane = 0; lane < WideNode::width; ++lane) {
-      if (node.count[lane] == WideNode::unused || !may_meet(ray, node, lane, p)) continue;
-      if (node.count[lane] == WideNode::inner) {
-        stack[size++] = node.child[lane];
+      if (node.count(lane) == WideNode::unused || !may_meet(ray, surface.tree, node, lane, p)) continue;
+      if (node.count(lane) == WideNode::inner) {
+        stack[size++] = node.child(lane);
         continue;
       }
-      for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
+      for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
         const auto& v = surface.tree.leaves[i].vertices;
         const std::optional<int> sign =
             crossing(ray, {surface.vertex(v[0]), surface.vertex(v[1]), surface.vertex(v[2])}, p);

@@ -14,10 +14,11 @@ using Lanes = Eigen::Array4d;
 using Corners = std::array<Lanes, 3>;  // x, y, z of four points
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int cells = 1 << 22;  // of the grid of times
-constexpr int most_steps = 1 << 10;
-// Times the projected magnitudes at both ends it bounds the rounding of a projection: differences
-// 1, projection 3, interpolation 3, |axis| * distance 5 units of 2^-53.
+constexpr int cells = 1 << 22;       // of the grid of times
+constexpr int most_steps = 1 << 10;  // several times what hard cases take; then it is contact
+// Bounds the rounding of a projection, in parts of its projected magnitudes at both ends (differences 1,
+// products and sums 3, interpolation 5 units of 2^-53), and of |axis| (distance + 4 arc) (root and products
+// 8, sums 6). Twice as much for axes that turn: their corners are interpolated first.
 constexpr double rounding_unit = 0x1p-49;
 
 /// The difference of the features: a triangle (its last corner twice) or a
@@ -39,6 +40,14 @@ Lanes project(const Corners& corners, const Vector& axis) {
   return corners[0] * axis[0] + corners[1] * axis[1] + corners[2] * axis[2];
 }
 
+// In a fixed order, whatever the instruction set.
+double sum(const Lanes& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+
+int least_lane(const Lanes& x) {
+  const int i = x[1] < x[0] ? 1 : 0, j = x[3] < x[2] ? 3 : 2;
+  return x[j] < x[i] ? j : i;
+}
+
 /// From the origin to the point of the polygon closest to it, up to rounding,
 /// and orthogonal to the face or edge which that point is on as well as can be.
 Vector closest_direction(const Corners& p) {
@@ -55,8 +64,7 @@ Vector closest_direction(const Corners& p) {
   const Lanes along = -(p[0] * e[0] + p[1] * e[1] + p[2] * e[2]);
   const Lanes s = (along / length.max(std::numeric_limits<double>::min())).max(0.0).min(1.0);
   const Corners c = {p[0] + s * e[0], p[1] + s * e[1], p[2] + s * e[2]};
-  int i = 0;
-  (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).minCoeff(&i);
+  const int i = least_lane(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
   if (s[i] <= 0) return corner(p, i);
   if (s[i] >= 1) return corner(p, (i + 1) % 4);
   return corner(e, i).cross(corner(moment, i));
@@ -72,17 +80,16 @@ class Search {
   bool quickly_free() const {
     const double least = required_.distance + required_.arc + rounding_;
     Vector axis;
-    for (int k = 0; k < 3; ++k) axis[k] = (sweep_.start[k] + sweep_.end[k]).sum() / 8;
+    for (int k = 0; k < 3; ++k) axis[k] = sum(sweep_.start[k] + sweep_.end[k]) / 8;
     for (int attempt = 0; attempt < 3; ++attempt) {
       const double squared = axis.squaredNorm();
       if (!(squared > 1e-200)) return false;
       const Lanes s = project(sweep_.start, axis), e = project(sweep_.end, axis);
-      int i = 0, j = 0;
-      const double low_s = s.minCoeff(&i), low_e = e.minCoeff(&j);
-      const double low = std::min(low_s, low_e);
+      const int i = least_lane(s), j = least_lane(e);
+      const double low = std::min(s[i], e[j]);
       const double bound = least * least * squared;
       if (low > 0 && low * low > bound && bound > 1e-280) return true;
-      const Vector worst = low_s < low_e ? corner(sweep_.start, i) : corner(sweep_.end, j);
+      const Vector worst = s[i] < e[j] ? corner(sweep_.start, i) : corner(sweep_.end, j);
       const Vector step = worst - axis;
       axis += std::min(1.0, (squared - low) / step.squaredNorm()) * step;
     }
@@ -98,7 +105,7 @@ class Search {
     const Lanes slack = rounding(length, axis.cwiseAbs());
     const Lanes s = project(sweep_.start, axis), d = project(sweep_.end, axis) - s - length * required.slope;
     const Lanes least = length * required.value + slack;
-    if (!(least.minCoeff() > 1e-290 && least.sum() < infinity)) return now;
+    if (!(least.minCoeff() > 1e-290 && sum(least) < infinity)) return now;
     const auto free_at = [&](int cell) { return (s + time(cell) * d - least).minCoeff() > 0; };
     if (!free_at(now)) return now;
     if (free_at(cells)) return cells;
@@ -111,11 +118,11 @@ class Search {
     return cell > now && free_at(cell - 1) ? cell - 1 : now;
   }
 
+  /// Advances from proof to proof.
   std::optional<double> run() const {
     int now = 0;
     double factor = 8;
-    for (int step = 0; step < most_steps; ++step) {
-      if (time(now) > required_.latest) return std::nullopt;
+    for (int step = 0; step < most_steps && !(time(now) > required_.latest); ++step) {
       int next = advance(now);
       if (next == now) break;
       if (step >= 2 && next < cells) {
@@ -127,6 +134,7 @@ class Search {
       if (next == cells) return std::nullopt;
       now = next;
     }
+    if (time(now) > required_.latest) return std::nullopt;
     return time(now);
   }
 
@@ -145,7 +153,7 @@ class Search {
     const double r0 = length * (required.value + time(now) * required.slope);
     const double r3 = length * (required.value + time(end) * required.slope);
     const Lanes slack = 2 * rounding(length, first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs()));
-    if (!(slack.minCoeff() > 1e-290 && slack.sum() < infinity)) return false;
+    if (!(slack.minCoeff() > 1e-290 && sum(slack) < infinity)) return false;
     // Bernstein coefficients of the projections less the requirement.
     const Lanes b0 = project(p, first) - r0, b3 = project(q, last) - r3;
     const Lanes b1 = (project(q, first) + 2 * project(p, middle) - (2 * r0 + r3)) / 3;
@@ -167,11 +175,12 @@ class Search {
     return rounding_unit * (project(sweep_.size, axis) + length * (required_.distance + 4 * required_.arc));
   }
 
+  /// The furthest cell border up to which some axis proves freedom from `now` on.
   int advance(int now) const {
     const Corners p = at(sweep_, time(now));
     int next = free_until(closest_direction(p), now);
     if (next >= std::min(cells, now + 64)) return next;
-    // Wider and wider spans as long as that helps.
+    // The polygon and what its edges sweep, in wider and wider spans as long as that helps.
     for (int reach = 1, last = now; reach <= cells - now; reach *= 16, last = next) {
       const Corners q = at(sweep_, time(now + reach));
       if (bent_free(now, now + reach)) next = std::max(next, now + reach);
@@ -188,6 +197,7 @@ class Search {
       if (next == last) break;
     }
     if (next > now) return next;
+    // Their zeros make projections exact.
     for (int k = 0; k < 3; ++k) {
       next = std::max({next, free_until(Vector::Unit(k), now), free_until(-Vector::Unit(k), now)});
     }
@@ -203,7 +213,7 @@ std::optional<double> first(Sweep& sweep, const Requirement& required) {
   for (int k = 0; k < 3; ++k) sweep.size[k] = sweep.start[k].abs() + sweep.end[k].abs();
   const Lanes size = sweep.size[0] + sweep.size[1] + sweep.size[2];
   // Neither NaN nor what could overflow to it: taking least values might lose it.
-  if (!(size.sum() < 1e100)) return 0.0;
+  if (!(sum(size) < 1e100)) return 0.0;
   if (!(required.distance >= 0 && required.arc >= 0)) return 0.0;
   const Search search(sweep, required, rounding_unit * size.maxCoeff());
   if (search.quickly_free()) return std::nullopt;

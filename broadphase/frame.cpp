@@ -52,24 +52,23 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
     const int below = size;
     std::array<double, WideNode::width> uppers{}, widths{};
     for (int k = 0; k < 3; ++k) {
-      const auto& far = n[k] > 0 ? node.upper[k] : node.lower[k];
       for (int lane = 0; lane < WideNode::width; ++lane) {
-        uppers[lane] += n[k] * static_cast<double>(far[lane]);
-        widths[lane] +=
-            magnitude[k] * (static_cast<double>(node.upper[k][lane]) - static_cast<double>(node.lower[k][lane]));
+        const double low = surface.tree.lower(node, k, lane), high = surface.tree.upper(node, k, lane);
+        uppers[lane] += n[k] * (n[k] > 0 ? high : low);
+        widths[lane] += magnitude[k] * (high - low);
       }
     }
-    for (int lane = 0; lane < WideNode::width && node.count[lane] != WideNode::unused; ++lane) {
+    for (int lane = 0; lane < WideNode::width && node.count(lane) != WideNode::unused; ++lane) {
       const double upper = uppers[lane], width = widths[lane];
       if (upper <= bound) continue;
       // Every box holds a vertex: the lower end is reached.
       reached = std::max(reached, upper - width);
       if (width <= tolerance || upper <= reached + tolerance) {
         bound = upper;
-      } else if (node.count[lane] == WideNode::inner) {
-        stack[size++] = {node.child[lane], upper};
+      } else if (node.count(lane) == WideNode::inner) {
+        stack[size++] = {node.child(lane), upper};
       } else {
-        for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
+        for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
           for (const std::int32_t v : surface.tree.leaves[i].vertices) {
             bound = std::max(bound, n.dot(surface.vertex(v)));
           }
@@ -115,17 +114,23 @@ bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, dou
 
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept {
   const Surface& surface = shape.outer();
-  const double slack = world_slack(shape, pose, surface.radius);
-  const double tolerance = 0x1p-8 * surface.radius;
-  Eigen::AlignedBox3d box;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d n = pose.linear().row(axis).transpose();
-    const double offset = n.dot(shape.origin) + pose.translation()[axis];
-    const double farthest = surface.radius * (1 + 1e-8);
-    box.max()[axis] = offset + std::min(support(surface, n, tolerance), farthest) + slack;
-    box.min()[axis] = offset - std::min(support(surface, -n, tolerance), farthest) - slack;
+  const Eigen::Vector3d centre = pose.linear() * shape.origin + pose.translation();
+  Eigen::Vector3d low, high;
+  double slack = world_slack(shape, pose, surface.radius);
+  if (!shape.outline.empty()) {
+    shape.outline.extents(pose.linear(), low, high);
+    slack += 0x1p-20 * shape.outline_radius;
+  } else {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d n = pose.linear().row(axis).transpose();
+      const double tolerance = 0x1p-8 * surface.radius;
+      low[axis] = -support(surface, -n, tolerance);
+      high[axis] = support(surface, n, tolerance);
+    }
   }
-  return box;
+  const Eigen::Vector3d farthest = Eigen::Vector3d::Constant(surface.radius * (1 + 1e-8));
+  return {centre + low.cwiseMax(-farthest) - Eigen::Vector3d::Constant(slack),
+          centre + high.cwiseMin(farthest) + Eigen::Vector3d::Constant(slack)};
 }
 
 Eigen::AlignedBox3d ball_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept {

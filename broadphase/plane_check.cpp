@@ -44,7 +44,8 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
     double sum = height_[end];
     for (int k = 0; k < 3; ++k) {
       const double n = normal_[end][k];
-      sum += std::min(n * static_cast<double>(node.lower[k][lane]), n * static_cast<double>(node.upper[k][lane]));
+      sum += std::min(n * static_cast<double>(surface_.tree.lower(node, k, lane)),
+                      n * static_cast<double>(surface_.tree.upper(node, k, lane)));
     }
     return sum;
   };
@@ -56,13 +57,13 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
   while (size > 0) {
     const WideNode& node = surface_.tree.nodes[stack[--size]];
     for (int lane = WideNode::width - 1; lane >= 0; --lane) {
-      if (node.count[lane] == WideNode::unused) continue;
+      if (node.count(lane) == WideNode::unused) continue;
       if (lowest(node, lane, 0) > reach && lowest(node, lane, 1) > reach) continue;
-      if (node.count[lane] == WideNode::inner) {
-        stack[size++] = node.child[lane];
+      if (node.count(lane) == WideNode::inner) {
+        stack[size++] = node.child(lane);
         continue;
       }
-      for (std::int32_t i = node.child[lane]; i < node.child[lane] + node.count[lane]; ++i) {
+      for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
         for (const std::int32_t v : surface_.tree.leaves[i].vertices) visit(context, v);
       }
     }

@@ -31,6 +31,17 @@ void add_cage(Shape& shape, const MeshArraysView& arrays) {
   if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
 }
 
+/// The finest cage that has few vertices: near the body, and quick to project.
+void set_outline(Shape& shape) {
+  constexpr std::size_t most_points = 1024;
+  for (const Surface& cage : shape.cages) {
+    if (cage.mesh.vertices.size() > most_points || !(cage.radius < 1e30)) continue;
+    shape.outline = Outline(cage.mesh.vertices);
+    shape.outline_radius = cage.radius;
+    return;
+  }
+}
+
 void set_fine(Shape& shape, const MeshArraysView& arrays) {
   shape.fine = Surface(arrays);
   shape.radius = std::max(shape.radius, shape.fine.radius);
@@ -51,11 +62,11 @@ Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
   closed = std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.closed == 1; });
   const WideNode& root = tree.nodes[0];
   for (int axis = 0; axis < 3; ++axis) {
-    lower[axis] = root.lower[axis][0];
-    upper[axis] = root.upper[axis][0];
-    for (int lane = 1; lane < WideNode::width && root.count[lane] != WideNode::unused; ++lane) {
-      lower[axis] = std::min(lower[axis], root.lower[axis][lane]);
-      upper[axis] = std::max(upper[axis], root.upper[axis][lane]);
+    lower[axis] = tree.lower(root, axis, 0);
+    upper[axis] = tree.upper(root, axis, 0);
+    for (int lane = 1; lane < WideNode::width && root.count(lane) != WideNode::unused; ++lane) {
+      lower[axis] = std::min(lower[axis], tree.lower(root, axis, lane));
+      upper[axis] = std::max(upper[axis], tree.upper(root, axis, lane));
     }
   }
 }
@@ -71,6 +82,7 @@ ShapePtr make_shape(const CageHierarchy& hierarchy) {
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     add_cage(*shape, keep(*shape, make_mesh_arrays(hierarchy.levels[k].mesh, cage_name(k))));
   }
+  set_outline(*shape);
   return shape;
 }
 
@@ -96,6 +108,7 @@ ShapePtr load_shape(const std::filesystem::path& file) {
     const std::string message = error.what();
     throw Error(message.starts_with(file.string()) ? message : file.string() + ": " + message);
   }
+  set_outline(*shape);
   shape->asset.emplace(std::move(view));
   return shape;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "broadphase/outline.h"
 #include "src/asset_view.h"
 #include "src/mesh_arrays.h"
 
@@ -36,6 +37,8 @@ class Shape {
   double radius = 0;           ///< largest of all surfaces
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty
+  Outline outline;             ///< a cage's vertices; empty if no cage is small enough
+  double outline_radius = 0;   ///< of that cage
 
   /// The surface whose box bounds the body, and the error of that.
   const Surface& outer() const { return fine.empty() ? cages.front() : fine; }

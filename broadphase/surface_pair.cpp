@@ -70,7 +70,7 @@ bool balls_apart(const Surface& a, const Surface& b, const PairMotion& motion, d
 
 bool visit_near_triangles(const Surface& a, const Surface& b, const PairMotion& motion, double distance, Effort effort,
                           VisitTriangles visit, void* context) noexcept {
-  const BoxGate gate(motion, a.radius, b.radius, distance);
+  const BoxGate gate(motion, {a.radius, a.tree.grid}, {b.radius, b.tree.grid}, distance);
   LeafTest test{a, b, motion, distance, effort, visit, context};
   return visit_leaf_pairs(
       a.tree, b.tree, {&gate, 1},

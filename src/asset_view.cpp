@@ -241,10 +241,11 @@ std::optional<MeshArraysView> AssetView::fine_arrays() const { return arrays(*fi
 
 std::optional<MeshArraysView> AssetView::arrays(const MeshView& mesh, const std::string& mesh_name) const {
   if (!find_section(mesh_name + " nodes")) return std::nullopt;
-  const MeshArraysView view = {mesh,
-                               {array<WideNode>(mesh_name + " nodes"), array<LeafTriangle>(mesh_name + " leaves")},
-                               array<OwnedFeatures>(mesh_name + " owned"),
-                               array<MeshPart>(mesh_name + " parts")};
+  const MeshArraysView view = {
+      mesh,
+      {array<WideNode>(mesh_name + " nodes"), array<LeafTriangle>(mesh_name + " leaves"), make_grid(mesh.vertices)},
+      array<OwnedFeatures>(mesh_name + " owned"),
+      array<MeshPart>(mesh_name + " parts")};
   check_arrays(view, name_ + ": " + mesh_name);
   return view;
 }

@@ -4,6 +4,8 @@
 #include <encage/error.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "src/bvh.h"
@@ -20,10 +22,30 @@ double half_area(const BvhNode& node) {
   return x * y + y * z + z * x;
 }
 
+/// The last place that is not above x, and the first that is not below.
+std::int16_t place_below(const TreeGrid& grid, int axis, float x) {
+  const double place = std::floor((static_cast<double>(x) - static_cast<double>(grid.origin[axis])) /
+                                  static_cast<double>(grid.step[axis])) -
+                       32768;
+  auto result = static_cast<std::int16_t>(std::clamp(place, -32768.0, 32767.0));
+  while (grid.at(axis, result) > x && result > -32768) --result;
+  return result;
+}
+
+std::int16_t place_above(const TreeGrid& grid, int axis, float x) {
+  const double place = std::ceil((static_cast<double>(x) - static_cast<double>(grid.origin[axis])) /
+                                 static_cast<double>(grid.step[axis])) -
+                       32768;
+  auto result = static_cast<std::int16_t>(std::clamp(place, -32768.0, 32767.0));
+  while (grid.at(axis, result) < x && result < 32767) ++result;
+  return result;
+}
+
 /// Joins the nodes of a binary tree to wide ones.
 class Widener {
  public:
-  Widener(const Bvh& binary, const TriangleMesh& mesh) : binary_(binary) {
+  Widener(const Bvh& binary, const TriangleMesh& mesh, const TreeGrid& grid) : binary_(binary) {
+    tree_.grid = grid;
     tree_.leaves.reserve(binary.order.size());
     for (const std::int32_t t : binary.order) {
       tree_.leaves.push_back({{mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)}, t});
@@ -46,16 +68,15 @@ class Widener {
         const BvhNode& node = binary_.nodes[lanes[lane < count ? lane : 0]];
         WideNode& wide = tree_.nodes[task.wide];
         for (int axis = 0; axis < 3; ++axis) {
-          wide.lower[axis][lane] = node.lower[axis];
-          wide.upper[axis][lane] = node.upper[axis];
+          wide.lower[axis][lane] = place_below(tree_.grid, axis, node.lower[axis]);
+          wide.upper[axis][lane] = place_above(tree_.grid, axis, node.upper[axis]);
         }
-        wide.child[lane] = 0;
-        wide.count[lane] = WideNode::unused;
+        wide.set_link(lane, 0, WideNode::unused);
         if (lane >= count) continue;
-        wide.count[lane] = node.count;
-        wide.child[lane] = node.leaf() ? node.first : static_cast<std::int32_t>(tree_.nodes.size());
+        const auto child = node.leaf() ? node.first : static_cast<std::int32_t>(tree_.nodes.size());
+        wide.set_link(lane, child, node.count);
         if (node.leaf()) continue;
-        tasks.push_back({wide.child[lane], lanes[lane]});
+        tasks.push_back({child, lanes[lane]});
         tree_.nodes.emplace_back();
       }
     }
@@ -94,7 +115,8 @@ class Checker {
       : tree_(tree), mesh_(mesh), place_(place) {}
 
   void check() {
-    if (tree_.nodes.empty() || tree_.leaves.size() != mesh_.triangles.size()) {
+    if (tree_.nodes.empty()) throw Error(place_ + ": a tree without nodes");
+    if (tree_.leaves.size() != mesh_.triangles.size()) {
       throw Error(place_ + ": " + std::to_string(tree_.leaves.size()) + " leaf triangles for a mesh of " +
                   std::to_string(mesh_.triangles.size()));
     }
@@ -106,18 +128,18 @@ class Checker {
     for (std::size_t n = 0; n < tree_.nodes.size(); ++n) {
       if (depth_[n] < 0) fail(n, "is no earlier node's child");
       for (int lane = 0; lane < width; ++lane) {
-        const std::int32_t count = tree_.nodes[n].count[lane];
+        const int count = tree_.nodes[n].count(lane);
         if (count == WideNode::unused) {
           if (lane == 0) fail(n, "is empty");
           continue;
         }
-        if (lane > 0 && tree_.nodes[n].count[lane - 1] == WideNode::unused) fail(n, "has a gap between its lanes");
+        if (lane > 0 && tree_.nodes[n].count(lane - 1) == WideNode::unused) fail(n, "has a gap between its lanes");
         if (count == WideNode::inner) {
           check_inner(n, lane);
           continue;
         }
         check_leaf(n, lane);
-        for (std::int32_t i = tree_.nodes[n].child[lane]; i < tree_.nodes[n].child[lane] + count; ++i) {
+        for (std::int32_t i = tree_.nodes[n].child(lane); i < tree_.nodes[n].child(lane) + count; ++i) {
           if (covered[i]) fail(n, "shares a triangle with another leaf");
           covered[i] = true;
           ++covered_count;
@@ -146,8 +168,8 @@ class Checker {
   }
 
   void check_inner(std::size_t n, int lane) {
-    const auto child = static_cast<std::size_t>(tree_.nodes[n].child[lane]);
-    if (tree_.nodes[n].child[lane] < 0 || child <= n || child >= tree_.nodes.size()) {
+    const auto child = static_cast<std::size_t>(tree_.nodes[n].child(lane));
+    if (tree_.nodes[n].child(lane) < 0 || child <= n || child >= tree_.nodes.size()) {
       fail(n, "has a child that is not after it");
     }
     if (depth_[child] >= 0) fail(child, "has two parents");
@@ -155,9 +177,10 @@ class Checker {
     if (depth_[child] > WideTree::max_depth) fail(child, "is too deep");
     const WideNode& below = tree_.nodes[child];
     for (int i = 0; i < width; ++i) {
-      if (below.count[i] == WideNode::unused) continue;
+      if (below.count(i) == WideNode::unused) continue;
       for (int axis = 0; axis < 3; ++axis) {
-        if (!contains(n, lane, axis, below.lower[axis][i]) || !contains(n, lane, axis, below.upper[axis][i])) {
+        if (!contains_place(n, lane, axis, below.lower[axis][i]) ||
+            !contains_place(n, lane, axis, below.upper[axis][i])) {
           fail(n, "does not contain its child");
         }
       }
@@ -165,7 +188,7 @@ class Checker {
   }
 
   void check_leaf(std::size_t n, int lane) const {
-    const std::int32_t first = tree_.nodes[n].child[lane], count = tree_.nodes[n].count[lane];
+    const std::int32_t first = tree_.nodes[n].child(lane), count = tree_.nodes[n].count(lane);
     if (count < 0 || count > WideTree::leaf_size || first < 0 ||
         first > static_cast<std::int64_t>(tree_.leaves.size()) - count) {
       fail(n, "has a leaf out of range");
@@ -179,8 +202,12 @@ class Checker {
     }
   }
 
+  bool contains_place(std::size_t n, int lane, int axis, std::int16_t place) const {
+    return tree_.nodes[n].lower[axis][lane] <= place && place <= tree_.nodes[n].upper[axis][lane];
+  }
+
   bool contains(std::size_t n, int lane, int axis, float x) const {
-    return tree_.nodes[n].lower[axis][lane] <= x && x <= tree_.nodes[n].upper[axis][lane];
+    return tree_.lower(tree_.nodes[n], axis, lane) <= x && x <= tree_.upper(tree_.nodes[n], axis, lane);
   }
 
   const WideTreeView& tree_;
@@ -191,9 +218,33 @@ class Checker {
 
 }  // namespace
 
+TreeGrid make_grid(std::span<const std::array<float, 3>> vertices) {
+  TreeGrid grid;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float low = vertices.empty() ? 0 : vertices[0][axis], high = low;
+    for (const auto& vertex : vertices) {
+      low = std::min(low, vertex[axis]);
+      high = std::max(high, vertex[axis]);
+    }
+    // A little more than the extent, and never so little that places would round to the same number.
+    const double extent = static_cast<double>(high) - static_cast<double>(low);
+    const double largest = std::max(std::abs(static_cast<double>(low)), std::abs(static_cast<double>(high)));
+    const double step = std::max(
+        {extent / 65535 * (1 + 0x1p-20), largest * 0x1p-21, static_cast<double>(std::numeric_limits<float>::min())});
+    grid.origin[axis] = low;
+    grid.step[axis] = static_cast<float>(step);
+  }
+  return grid;
+}
+
 WideTree build_wide_tree(const TriangleMesh& mesh) {
+  if (mesh.triangles.rows() >= std::int64_t{1} << 29) throw Error("more than 2^29 triangles");
+  std::vector<std::array<float, 3>> vertices(static_cast<std::size_t>(mesh.vertices.rows()));
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    for (std::size_t k = 0; k < 3; ++k) vertices[v][k] = static_cast<float>(mesh.vertices(v, k));
+  }
   const Bvh binary = build_bvh(mesh);
-  return Widener(binary, mesh).widen();
+  return Widener(binary, mesh, make_grid(vertices)).widen();
 }
 
 void check_tree(const WideTreeView& tree, const MeshView& mesh, const std::string& place) {

@@ -14,17 +14,42 @@
 
 namespace encage {
 
-/// Eight boxes side by side, as they lie in an asset. Float bounds, rounded outward.
+/// Places along the axes that boxes of a tree are rounded outward to: 2^16 of them over the mesh.
+struct TreeGrid {
+  std::array<float, 3> origin = {};
+  std::array<float, 3> step = {};  ///< > 0; at() increases strictly
+
+  float at(int axis, std::int16_t place) const {
+    return origin[axis] + (static_cast<float>(place) + 32768.0F) * step[axis];
+  }
+};
+
+/// Covers the vertices; the same for the same vertices on every machine.
+TreeGrid make_grid(std::span<const std::array<float, 3>> vertices);
+
+/// Eight boxes side by side, as they lie in an asset: two cache lines.
 struct alignas(64) WideNode {
   static constexpr int width = 8;
-  static constexpr std::int32_t inner = 0, unused = -1;
+  static constexpr int inner = 0, unused = -1;
 
-  float lower[3][width];
-  float upper[3][width];
-  std::int32_t child[width];  ///< inner: a node after this one; leaf: first entry of WideTree::leaves
-  std::int32_t count[width];  ///< leaf: its triangles; else `inner` or `unused`
+  std::int16_t lower[3][width];  ///< places on the grid, rounded outward
+  std::int16_t upper[3][width];
+  std::uint32_t link[width];  ///< index in the low 29 bits; above them 0: inner, 1 to 6: triangles of a leaf, 7: unused
+
+  /// Inner: a node after this one; leaf: its first entry of WideTree::leaves.
+  std::int32_t child(int lane) const { return child_of(link[lane]); }
+  /// Leaf: its triangles; else `inner` or `unused`.
+  int count(int lane) const { return count_of(link[lane]); }
+  void set_link(int lane, std::int32_t child, int count) {
+    link[lane] =
+        count == unused ? unused_link : static_cast<std::uint32_t>(count) << 29 | static_cast<std::uint32_t>(child);
+  }
+
+  static constexpr std::uint32_t unused_link = 7U << 29;
+  static std::int32_t child_of(std::uint32_t link) { return static_cast<std::int32_t>(link & ~unused_link); }
+  static int count_of(std::uint32_t link) { return link >= unused_link ? unused : static_cast<int>(link >> 29); }
 };
-static_assert(sizeof(WideNode) == 256);
+static_assert(sizeof(WideNode) == 128);
 
 /// A triangle where the tree has it: vertex indices, and its number in the mesh.
 struct LeafTriangle {
@@ -41,19 +66,26 @@ struct WideTree {
 
   std::vector<WideNode> nodes;
   std::vector<LeafTriangle> leaves;  ///< leaf after leaf, every triangle once
+  TreeGrid grid;
 };
 
-/// Empty for a mesh without triangles. Vertices must be finite and exact in float32, indices in range.
+/// Empty for a mesh without triangles. Vertices must be finite and exact in float32, indices in range. Throws
+/// Error if there are too many triangles for the links, 2^29.
 WideTree build_wide_tree(const TriangleMesh& mesh);
 
 /// A tree used in place.
 struct WideTreeView {
   std::span<const WideNode> nodes;
   std::span<const LeafTriangle> leaves;
+  TreeGrid grid;
 
   WideTreeView() = default;
-  WideTreeView(std::span<const WideNode> n, std::span<const LeafTriangle> l) : nodes(n), leaves(l) {}
-  WideTreeView(const WideTree& tree) : nodes(tree.nodes), leaves(tree.leaves) {}  // NOLINT: a view of it
+  WideTreeView(std::span<const WideNode> n, std::span<const LeafTriangle> l, const TreeGrid& g)
+      : nodes(n), leaves(l), grid(g) {}
+  WideTreeView(const WideTree& tree) : nodes(tree.nodes), leaves(tree.leaves), grid(tree.grid) {}  // NOLINT: a view
+
+  float lower(const WideNode& node, int axis, int lane) const { return grid.at(axis, node.lower[axis][lane]); }
+  float upper(const WideNode& node, int axis, int lane) const { return grid.at(axis, node.upper[axis][lane]); }
 };
 
 /// Proves that a traversal of the tree is safe and complete: every node but the

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace encage {
+
+/// A few points whose convex hull holds a body: for its world boxes.
+class Outline {
+ public:
+  Outline() = default;
+  explicit Outline(std::span<const std::array<float, 3>> points);
+
+  bool empty() const { return x_.empty(); }
+  /// Least and largest coordinates of `rotation` times the points, no more than 2^-20 of the
+  /// largest norm of a point off.
+  void extents(const Eigen::Matrix3d& rotation, Eigen::Vector3d& low, Eigen::Vector3d& high) const noexcept;
+
+ private:
+  std::vector<float> x_, y_, z_;  ///< padded by the first point
+};
+
+}  // namespace encage

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// When two moving meshes first touch, by brute force over their features in exact arithmetic.
+
+#include "tests/broadphase/exact_ccd.h"
+
+#include <encage/broadphase.h>
+#include <encage/mesh.h>
+
+#include <optional>
+
+namespace encage::test {
+
+/// Triangles, degenerate ones included, whose vertices move linearly.
+struct MovingMesh {
+  Vertices start, end;
+  Triangles triangles;
+};
+
+/// A mesh on a body's motion: every vertex the image of origin + vertex, rounded (1e-15 of its size).
+MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Motion& motion);
+
+/// First time in [0, 1] at which the surfaces have a point in common, 0 if they have at the start.
+std::optional<TimeBounds> exact_first_contact(const MovingMesh& a, const MovingMesh& b);
+
+/// First time at which they are at most `distance` + arc * 4 t (1 - t) apart, with the
+/// meaning and the limits of the function of the same name for features.
+std::optional<double> first_within(const MovingMesh& a, const MovingMesh& b, double distance, double arc,
+                                   double resolution);
+
+}  // namespace encage::test

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "src/wide_tree.h"
+
+#include <encage/error.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "src/mesh_arrays.h"
+#include "tests/shapes.h"
+#include "tests/src/asset_forge.h"
+
+namespace encage {
+namespace {
+
+TriangleMesh rounded(TriangleMesh mesh) {
+  mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
+  return mesh;
+}
+
+/// Triangles that share no vertices; some degenerate, some repeated.
+TriangleMesh soup(int triangles, std::uint32_t seed) {
+  shapes::Random random(seed);
+  TriangleMesh mesh;
+  mesh.vertices.resize(3 * triangles, 3);
+  mesh.triangles.resize(triangles, 3);
+  for (int t = 0; t < triangles; ++t) {
+    const Eigen::Vector3d centre = random.point(1);
+    const int kind = random.integer(8);
+    for (int k = 0; k < 3; ++k) {
+      mesh.vertices.row(3 * t + k) = (centre + (kind == 0 ? 0 : 0.05) * random.point(1)).transpose();
+      mesh.triangles(t, k) = 3 * t + k;
+    }
+    if (kind == 1) mesh.triangles(t, 2) = mesh.triangles(t, 1);
+    if (kind == 2 && t > 0) mesh.triangles.row(t) = mesh.triangles.row(random.integer(t)).eval();
+  }
+  return rounded(mesh);
+}
+
+TriangleMesh coincident(int triangles) {
+  TriangleMesh mesh = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5}}, {});
+  mesh.triangles.resize(triangles, 3);
+  for (int t = 0; t < triangles; ++t) mesh.triangles.row(t) << 0, 1, 2;
+  return mesh;
+}
+
+/// Sizes that shrink by a factor from one triangle to the next: splits by area peel off one at a time.
+TriangleMesh geometric(int triangles) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3 * triangles, 3);
+  mesh.triangles.resize(triangles, 3);
+  for (int t = 0; t < triangles; ++t) {
+    const double x = std::pow(0.75, t);
+    mesh.vertices.row(3 * t) << x, 0, 0;
+    mesh.vertices.row(3 * t + 1) << x, 0.1 * x, 0;
+    mesh.vertices.row(3 * t + 2) << x, 0, 0.1 * x;
+    mesh.triangles.row(t) << 3 * t, 3 * t + 1, 3 * t + 2;
+  }
+  return rounded(mesh);
+}
+
+std::vector<std::pair<std::string, TriangleMesh>> meshes() {
+  return {{"one triangle", coincident(1)},
+          {"two triangles", coincident(2)},
+          {"three triangles", soup(3, 1)},
+          {"a point", rounded(shapes::mesh({{1, 2, 3}}, {{0, 0, 0}}))},
+          {"soup of 17", soup(17, 2)},
+          {"soup of 1000", soup(1000, 3)},
+          {"soup of 20000", soup(20'000, 4)},
+          {"flat", shapes::box({-1, -1, 0}, {1, 1, 0})},
+          {"sphere", rounded(shapes::sphere(4))},
+          {"torus", rounded(shapes::torus(1, 0.3, 40, 20))},
+          {"tiny", rounded(shapes::scaled(shapes::sphere(2), 1e-30))},
+          {"huge", rounded(shapes::scaled(shapes::sphere(2), 1e38))},
+          {"geometric", geometric(300)},
+          {"coincident", coincident(10'000)}};
+}
+
+/// The properties that a traversal needs, checked by a recursion of its own.
+class Walk {
+ public:
+  Walk(const WideTree& tree, const TriangleMesh& mesh)
+      : tree_(tree), mesh_(mesh), nodes(tree.nodes.size(), 0), leaves(tree.leaves.size(), 0) {
+    visit(0, 0);
+  }
+  int deepest = 0;
+  std::int64_t lanes = 0;
+
+ private:
+  using Box = Eigen::AlignedBox3d;
+  /// The tight box of what is below a node.
+  Box visit(std::int32_t n, int depth) {
+    deepest = std::max(deepest, depth);
+    ++nodes[n];
+    const WideNode& node = tree_.nodes[n];
+    Box all;
+    bool ended = false;
+    for (int lane = 0; lane < WideNode::width; ++lane) {
+      const std::int32_t count = node.count[lane];
+      if (count == WideNode::unused) {
+        ended = true;
+        continue;
+      }
+      EXPECT_FALSE(ended) << "a gap in node " << n;
+      ++lanes;
+      Box below;
+      if (count == WideNode::inner) {
+        EXPECT_GT(node.child[lane], n);
+        below = visit(node.child[lane], depth + 1);
+      } else {
+        EXPECT_LE(count, WideTree::leaf_size);
+        for (std::int32_t i = node.child[lane]; i < node.child[lane] + count; ++i) {
+          ++leaves[i];
+          for (const std::int32_t v : tree_.leaves[i].vertices) below.extend(mesh_.vertex(v));
+        }
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        // Vertices are exact in float32, hence so are tight bounds.
+        EXPECT_EQ(static_cast<double>(node.lower[axis][lane]), below.min()[axis]) << n << " " << lane;
+        EXPECT_EQ(static_cast<double>(node.upper[axis][lane]), below.max()[axis]) << n << " " << lane;
+      }
+      all.extend(below);
+    }
+    return all;
+  }
+
+  const WideTree& tree_;
+  const TriangleMesh& mesh_;
+
+ public:
+  std::vector<int> nodes, leaves;
+};
+
+TEST(WideTree, EveryTriangleInOneLeafAndTightBoxes) {
+  for (const auto& [name, mesh] : meshes()) {
+    SCOPED_TRACE(name);
+    const WideTree tree = build_wide_tree(mesh);
+    const Walk walk(tree, mesh);
+    EXPECT_EQ(std::count(walk.nodes.begin(), walk.nodes.end(), 1), std::ssize(tree.nodes));
+    EXPECT_EQ(std::count(walk.leaves.begin(), walk.leaves.end(), 1), std::ssize(tree.leaves));
+    EXPECT_LE(walk.deepest, WideTree::max_depth);
+    std::vector<int> seen(static_cast<std::size_t>(mesh.triangles.rows()), 0);
+    for (const LeafTriangle& leaf : tree.leaves) {
+      ++seen[leaf.triangle];
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(leaf.vertices[k], mesh.triangles(leaf.triangle, k));
+    }
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), mesh.triangles.rows());
+    const MeshArrays arrays = make_mesh_arrays(mesh, "mesh");
+    EXPECT_NO_THROW(check_tree(tree, {arrays.vertices, arrays.triangles}, "mesh"));
+  }
+}
+
+TEST(WideTree, NodesAreWellFilledAndShallow) {
+  const TriangleMesh mesh = soup(20'000, 4);
+  const WideTree tree = build_wide_tree(mesh);
+  const Walk walk(tree, mesh);
+  EXPECT_GT(walk.lanes, 3 * std::ssize(tree.nodes));
+  EXPECT_LE(walk.deepest, 12);
+}
+
+TEST(WideTree, IsEmptyForNothingAndTheSameTwice) {
+  EXPECT_TRUE(build_wide_tree({}).nodes.empty());
+  for (const auto& [name, mesh] : meshes()) {
+    const WideTree first = build_wide_tree(mesh), second = build_wide_tree(mesh);
+    ASSERT_EQ(first.nodes.size(), second.nodes.size()) << name;
+    ASSERT_EQ(first.leaves.size(), second.leaves.size()) << name;
+    EXPECT_EQ(std::memcmp(first.nodes.data(), second.nodes.data(), first.nodes.size() * sizeof(WideNode)), 0) << name;
+    EXPECT_EQ(std::memcmp(first.leaves.data(), second.leaves.data(), first.leaves.size() * sizeof(LeafTriangle)), 0)
+        << name;
+  }
+}
+
+// ---- Damage ----------------------------------------------------------------
+
+/// The message for a tree that `spoil` damaged; the mesh is a sphere of 512 triangles.
+std::string refusal(const std::function<void(WideTree&)>& spoil) {
+  static const MeshArrays arrays = make_mesh_arrays(rounded(shapes::sphere(3)), "m");
+  WideTree tree = arrays.tree;
+  spoil(tree);
+  return error_of([&] { check_tree(tree, {arrays.vertices, arrays.triangles}, "m"); });
+}
+
+/// Node and lane of the first leaf, and of the first lane with a child.
+std::pair<std::size_t, int> find_lane(const WideTree& tree, bool leaf, int skip = 0) {
+  for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
+    for (int lane = 0; lane < WideNode::width; ++lane) {
+      const std::int32_t count = tree.nodes[n].count[lane];
+      if (count != WideNode::unused && (count > 0) == leaf && skip-- == 0) return {n, lane};
+    }
+  }
+  throw std::runtime_error("no such lane");
+}
+
+std::string node(std::size_t n) { return "m: node " + std::to_string(n) + " "; }
+
+TEST(CheckTree, RefusesDamagedLinks) {
+  const auto link = [](std::int32_t child) { return [child](WideTree& t) { t.nodes[0].child[0] = child; }; };
+  EXPECT_EQ(refusal(link(0)), node(0) + "has a child that is not after it");  // a cycle
+  EXPECT_EQ(refusal(link(-1)), node(0) + "has a child that is not after it");
+  EXPECT_EQ(refusal(link(std::numeric_limits<std::int32_t>::min())), node(0) + "has a child that is not after it");
+  EXPECT_EQ(refusal(link(std::numeric_limits<std::int32_t>::max())), node(0) + "has a child that is not after it");
+  EXPECT_EQ(refusal([](WideTree& t) { t.nodes[0].child[1] = t.nodes[0].child[0]; }), node(1) + "has two parents");
+  // A child before its parent, further down.
+  std::size_t deep = 0;
+  const std::string message = refusal([&](WideTree& t) {
+    const auto [n, lane] = find_lane(t, false, 20);
+    deep = n;
+    t.nodes[n].child[lane] = static_cast<std::int32_t>(n) - 1;
+  });
+  EXPECT_GT(deep, 1U);
+  EXPECT_EQ(message, node(deep) + "has a child that is not after it");
+  std::size_t count = 0;
+  const std::string orphan = refusal([&](WideTree& t) {
+    count = t.nodes.size();
+    t.nodes.push_back(t.nodes.back());
+  });
+  EXPECT_EQ(orphan, node(count) + "is no earlier node's child");
+}
+
+TEST(CheckTree, RefusesDamagedLanes) {
+  EXPECT_EQ(refusal([](WideTree& t) { std::fill_n(t.nodes[0].count, WideNode::width, WideNode::unused); }),
+            node(0) + "is empty");
+  EXPECT_EQ(refusal([](WideTree& t) { t.nodes[0].count[0] = WideNode::unused; }), node(0) + "is empty");
+  EXPECT_EQ(refusal([](WideTree& t) { t.nodes[0].count[1] = WideNode::unused; }),
+            node(0) + "has a gap between its lanes");
+}
+
+TEST(CheckTree, RefusesDamagedLeaves) {
+  const auto leaf = [](std::int32_t child, std::int32_t count) {
+    std::size_t at = 0;
+    const std::string message = refusal([&](WideTree& t) {
+      const auto [n, lane] = find_lane(t, true);
+      at = n;
+      t.nodes[n].child[lane] = child;
+      t.nodes[n].count[lane] = count;
+    });
+    return std::pair(message, node(at) + "has a leaf out of range");
+  };
+  for (const auto& [child, count] :
+       std::vector<std::pair<std::int32_t, std::int32_t>>{{-1, 1},
+                                                          {512, 1},
+                                                          {511, 2},
+                                                          {0, 3},
+                                                          {0, -2},
+                                                          {0, std::numeric_limits<std::int32_t>::max()},
+                                                          {std::numeric_limits<std::int32_t>::max(), 2},
+                                                          {std::numeric_limits<std::int32_t>::min(), 1}}) {
+    const auto [message, expected] = leaf(child, count);
+    EXPECT_EQ(message, expected) << child << " " << count;
+  }
+  EXPECT_EQ(refusal([](WideTree& t) { t.leaves[7] = t.leaves[6]; }), "m: leaf triangle 7 is not one of the mesh");
+  EXPECT_EQ(refusal([](WideTree& t) { t.leaves[7].triangle = 512; }), "m: leaf triangle 7 is not one of the mesh");
+  EXPECT_EQ(refusal([](WideTree& t) { t.leaves[7].triangle = -1; }), "m: leaf triangle 7 is not one of the mesh");
+  EXPECT_EQ(refusal([](WideTree& t) { t.leaves[7].vertices[2] ^= 1; }), "m: leaf triangle 7 is not one of the mesh");
+  EXPECT_EQ(refusal([](WideTree& t) { t.leaves.pop_back(); }), "m: 511 leaf triangles for a mesh of 512");
+  EXPECT_EQ(refusal([](WideTree& t) { t.nodes.clear(); }), "m: a tree without nodes");
+  EXPECT_EQ(refusal([](WideTree& t) {
+              auto [n, lane] = find_lane(t, true);
+              for (int skip = 1; t.nodes[n].count[lane] == 1; ++skip) std::tie(n, lane) = find_lane(t, true, skip);
+              t.nodes[n].count[lane] = 1;
+            }),
+            "m: the tree does not reach every triangle");
+}
+
+TEST(CheckTree, RefusesALeafHeldTwice) {
+  // Of coincident triangles every leaf has the same box: nothing but the count is wrong.
+  const MeshArrays arrays = make_mesh_arrays(coincident(40), "m");
+  WideTree tree = arrays.tree;
+  const auto [n, lane] = find_lane(tree, true, 1);
+  const auto [m, other] = find_lane(tree, true);
+  tree.nodes[n].child[lane] = tree.nodes[m].child[other];
+  EXPECT_EQ(error_of([&] {
+              check_tree(tree, {arrays.vertices, arrays.triangles}, "m");
+            }),
+            node(n) + "shares a triangle with another leaf");
+}
+
+TEST(CheckTree, RefusesDamagedBoxes) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  for (const bool leaf : {false, true}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto spoil = [&](const std::function<void(float& lower, float& upper)>& edit) {
+        std::size_t at = 0;
+        const std::string message = refusal([&](WideTree& t) {
+          const auto [n, lane] = find_lane(t, leaf);
+          at = n;
+          edit(t.nodes[n].lower[axis][lane], t.nodes[n].upper[axis][lane]);
+        });
+        EXPECT_EQ(message.rfind(node(at), 0), 0U) << message;
+        return message.substr(node(at).size());
+      };
+      const std::string expected = leaf ? "does not contain its triangle" : "does not contain its child";
+      EXPECT_EQ(spoil([&](float& lower, float&) { lower = std::nextafter(lower, infinity); }), expected);
+      EXPECT_EQ(spoil([&](float&, float& upper) { upper = std::nextafter(upper, -infinity); }), expected);
+      EXPECT_EQ(spoil([&](float& lower, float& upper) { std::swap(lower, upper); }), expected);
+      for (const float bad : {nan, infinity, -infinity}) {
+        EXPECT_EQ(spoil([&](float& lower, float&) { lower = bad; }), "has a box that is not finite");
+        EXPECT_EQ(spoil([&](float&, float& upper) { upper = bad; }), "has a box that is not finite");
+      }
+    }
+  }
+}
+
+TEST(CheckTree, RefusesChainsThatAreTooDeep) {
+  const MeshArrays arrays = make_mesh_arrays(coincident(1), "m");
+  const auto chain = [&](int nodes) {
+    WideTree tree = arrays.tree;
+    const WideNode last = tree.nodes[0];
+    WideNode link = last;
+    link.count[0] = WideNode::inner;
+    tree.nodes.assign(static_cast<std::size_t>(nodes), link);
+    for (int n = 0; n < nodes; ++n) tree.nodes[n].child[0] = n + 1;
+    tree.nodes.back() = last;
+    check_tree(tree, {arrays.vertices, arrays.triangles}, "m");
+  };
+  EXPECT_NO_THROW(chain(WideTree::max_depth + 1));
+  EXPECT_EQ(error_of([&] { chain(WideTree::max_depth + 2); }), "m: node 65 is too deep");
+}
+
+}  // namespace
+}  // namespace encage
