@@ -12,7 +12,7 @@ namespace {
 constexpr double width_in_radii = 1.1 / 1.01;
 constexpr double entry_gap = 0.1;       // in radii
 constexpr double lowest_entry = 3;      // in radii, of the centre
-constexpr double feed_per_second = 8;   // bouncing: velocities grow by this share at most
+constexpr double feed_per_second = 8;   // velocities grow by this share at most
 constexpr double drain_per_second = 8;  // resting: damping of the velocities in the end
 constexpr double seconds_to_full_drain = 2;
 
@@ -59,6 +59,7 @@ void validate(const SceneOptions& o, const MassProperties& mass) {
   require(o.restitution >= 0 && o.restitution <= 1, "restitution", o.restitution, "must be 0 to 1");
   require(o.gravity >= 0 && o.gravity <= 1e6, "gravity", o.gravity, "must be 0 to 1e6");
   require(o.floor_height >= 0 && o.floor_height <= 1e6, "floor height", o.floor_height, "must be 0 to 1e6 radii");
+  require(o.rest_height >= 0 && o.rest_height <= 1e6, "rest height", o.rest_height, "must be 0 to 1e6 radii");
   if (!(mass.mass > 0 && mass.radius > 0)) refuse("body", "has no mass");
   const double width = half_width(o, mass);
   require(width > mass.radius && width <= 1e6 * mass.radius, "half width", width,
@@ -97,16 +98,13 @@ BodyState Entries::next(double top) {
 std::int64_t Entries::entry_step(int body) const { return std::llround(body * options_.drop_interval / options_.dt); }
 
 double velocity_factor(const SceneOptions& options, const MassProperties& mass, double mean_kinetic, double seconds) {
-  if (options.scene == Scene::bouncing) {
-    const double floor = mass.mass * options.gravity * options.floor_height * mass.radius;
-    if (!(mean_kinetic > 0) || mean_kinetic >= floor) return 1;
-    return std::min(std::sqrt(floor / mean_kinetic), 1 + feed_per_second * options.dt);
-  }
-  if (options.scene == Scene::resting) {
-    const double share = std::min(seconds / seconds_to_full_drain, 1.0);
-    return std::max(1 - drain_per_second * share * options.dt, 0.0);
-  }
-  return 1;
+  if (options.scene == Scene::drop || !(mean_kinetic > 0)) return 1;
+  const double height = options.scene == Scene::bouncing ? options.floor_height : options.rest_height;
+  const double wanted = std::sqrt(mass.mass * options.gravity * height * mass.radius / mean_kinetic);
+  const double feed = 1 + feed_per_second * options.dt;
+  if (options.scene == Scene::bouncing) return std::clamp(wanted, 1.0, feed);
+  const double share = std::min(seconds / seconds_to_full_drain, 1.0);
+  return std::clamp(wanted, std::max(1 - drain_per_second * share * options.dt, 0.0), feed);
 }
 
 }  // namespace encage::tank

@@ -17,7 +17,7 @@ namespace encage::tank {
 enum class Scene {
   drop,      ///< bodies enter one by one; no energy is added
   bouncing,  ///< when all are in, their mean kinetic energy is kept above a floor
-  resting,   ///< when all are in, their energy is drained
+  resting,   ///< when all are in, their energy is drained until almost none is left
 };
 
 const char* name(Scene scene) noexcept;
@@ -38,6 +38,9 @@ struct SceneOptions {
   double gravity = 9.81;
   /// bouncing: mean kinetic energy of a body, at least, as the height of a fall in radii.
   double floor_height = 1;
+  /// resting: mean kinetic energy in the end. Bodies without any would press on each other everywhere at once;
+  /// impulses do not reach through such a pile in a few passes, and most of it had to be held.
+  double rest_height = 0.01;
   std::uint64_t seed = 1;  ///< of the initial orientations
   bool collisions = true;  ///< between bodies; without, only the walls stop them
 };

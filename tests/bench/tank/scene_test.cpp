@@ -43,6 +43,7 @@ TEST(Scene, RefusesNonsenseByName) {
       {"gravity", [](SceneOptions& o) { o.gravity = -1; }},
       {"gravity", [](SceneOptions& o) { o.gravity = infinity; }},
       {"floor height", [](SceneOptions& o) { o.floor_height = nan; }},
+      {"rest height", [](SceneOptions& o) { o.rest_height = -1; }},
       {"half width", [](SceneOptions& o) { o.half_width = 0.5; }},
       {"half width", [](SceneOptions& o) { o.half_width = nan; }},
   };
@@ -131,6 +132,7 @@ TEST(Scene, OnlyBouncingFeedsAndOnlyRestingDrains) {
   EXPECT_LT(velocity_factor(options, mass, floor, 9), 1);
   EXPECT_GT(velocity_factor(options, mass, floor, 9), 0.9);
   EXPECT_GT(velocity_factor(options, mass, floor, 0.1), velocity_factor(options, mass, floor, 1)) << "smoothly";
+  EXPECT_GT(velocity_factor(options, mass, 0.5 * options.rest_height / options.floor_height * floor, 9), 1);
 }
 
 }  // namespace
