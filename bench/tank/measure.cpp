@@ -150,6 +150,7 @@ class Meter {
       }
       const std::vector<Faults> faults = compare(steps_[i], answers, options_.judge);
       for (std::size_t k = 0; k < numbers.size(); ++k) result.strategies[numbers[k]].faults += faults[k];
+      report(static_cast<std::size_t>(i) + 1, all_.size(), "judging contacts");
     }
   }
 

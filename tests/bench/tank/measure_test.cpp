@@ -116,7 +116,7 @@ TEST_F(Measured, ReportsProgressOfEachStage) {
     stages.emplace(stage);
   };
   measure(body, recording, options);
-  EXPECT_EQ(stages.size(), 3U);
+  EXPECT_EQ(stages.size(), 4U);
 }
 
 TEST(EvenlySpread, CoversTheRange) {
