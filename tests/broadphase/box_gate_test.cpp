@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <limits>
 #include <set>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -30,10 +31,10 @@ struct Tree {
   }
 };
 
-std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) {
+std::vector<Leaves> visited(const Tree& a, const Tree& b, std::span<const BoxGate> gates) {
   std::vector<Leaves> all;
   visit_leaf_pairs(
-      a.arrays.tree, b.arrays.tree, gate,
+      a.arrays.tree, b.arrays.tree, gates,
       [](void* context, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
         static_cast<std::vector<Leaves>*>(context)->emplace_back(first_a, count_a, first_b, count_b);
         return true;
@@ -41,6 +42,8 @@ std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) {
       &all);
   return all;
 }
+
+std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) { return visited(a, b, {&gate, 1}); }
 
 AffineMap map(const Eigen::Matrix3d& linear, const Eigen::Vector3d& offset) { return {linear, offset}; }
 
@@ -136,9 +139,14 @@ TEST(BoxGate, NeverDropsLeavesThatComeNear) {
     const Real picked = least_distance(a, random.integer(triangles_a), b, random.integer(triangles_b), motion,
                                        std::numeric_limits<Real>::infinity());
     const double distance = random.integer(4) == 0 ? 1e-9 * size : static_cast<double>(picked) * (1 + 1e-12) + 1e-300;
-    const BoxGate gate(motion, a.radius, b.radius, distance);
+    // One interval, or cut into shorter ones.
+    std::vector<BoxGate> gates;
+    const int cuts = motion.at_rest ? 1 : std::vector{1, 1, 2, 4}[random.integer(4)];
+    for (int i = 0; i < cuts; ++i) {
+      gates.emplace_back(motion.part(1.0 * i / cuts, (i + 1.0) / cuts), a.radius, b.radius, distance);
+    }
     std::set<std::pair<std::int32_t, std::int32_t>> found;
-    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, gate)) {
+    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, gates)) {
       for (std::int32_t i = first_a; i < first_a + count_a; ++i) {
         for (std::int32_t j = first_b; j < first_b + count_b; ++j) {
           const bool added = found.emplace(a.arrays.tree.leaves[i].triangle, b.arrays.tree.leaves[j].triangle).second;
@@ -173,7 +181,8 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
     motion.b[0] = map(random_rotation(random, 3.1), random_direction(random) * random(1.6, 2.2));
     motion.b[1] = map(random_rotation(random, 0.1) * motion.b[0].linear, motion.b[0].offset + random.point(0.1));
     const double distance = 0.01;
-    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, {motion, a.radius, b.radius, distance})) {
+    for (const auto& [first_a, count_a, first_b, count_b] :
+         visited(a, b, BoxGate(motion, a.radius, b.radius, distance))) {
       ++visits;
       // Leaves of about 0.15 across that move by as much.
       Real least = 1;
@@ -202,7 +211,7 @@ TEST(BoxGate, StopsWhenAskedTo) {
     int left = stop_after, calls = 0;
     std::pair<int*, int*> context{&left, &calls};
     const bool finished = visit_leaf_pairs(
-        a.arrays.tree, a.arrays.tree, gate,
+        a.arrays.tree, a.arrays.tree, {&gate, 1},
         [](void* c, std::int32_t, std::int32_t, std::int32_t, std::int32_t) {
           const auto& [remaining, count] = *static_cast<std::pair<int*, int*>*>(c);
           ++*count;
@@ -220,7 +229,8 @@ TEST(BoxGate, ProvesNothingWithInfiniteOrUnknownNumbers) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const auto pairs = [&](const PairMotion& motion, double distance) {
     std::size_t sum = 0;
-    for (const auto& [first_a, count_a, first_b, count_b] : visited(a, a, {motion, a.radius, a.radius, distance})) {
+    for (const auto& [first_a, count_a, first_b, count_b] :
+         visited(a, a, BoxGate(motion, a.radius, a.radius, distance))) {
       sum += static_cast<std::size_t>(count_a) * static_cast<std::size_t>(count_b);
     }
     return sum;
@@ -252,7 +262,7 @@ TEST(BoxGate, VisitsTheSameLeavesInTheSameOrderOnEveryInstructionSet) {
     for (int round = 0; round < 300; ++round) {
       const Tree &a = all[random.integer(7)], &b = all[random.integer(7)];
       const PairMotion motion = random_step(random, a, b, 1);
-      sequences.push_back(visited(a, b, {motion, a.radius, b.radius, random(0, 0.2)}));
+      sequences.push_back(visited(a, b, BoxGate(motion, a.radius, b.radius, random(0, 0.2))));
     }
     return sequences;
   };
