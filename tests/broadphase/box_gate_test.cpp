@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <set>
@@ -29,6 +30,7 @@ struct Tree {
     arrays = make_mesh_arrays(mesh, "mesh");
     radius = mesh.vertices.rowwise().norm().maxCoeff() * (1 + 1e-12);
   }
+  GateBody body() const { return {radius, arrays.tree.grid}; }
 };
 
 std::vector<Leaves> visited(const Tree& a, const Tree& b, std::span<const BoxGate> gates) {
@@ -127,6 +129,9 @@ TEST(BoxGate, NeverDropsLeavesThatComeNear) {
     constexpr double factors[] = {1, 1, 1, 1e6, 1e-20, 1e-30, 1e-37, 1e30, 6e37};
     const double factor = factors[random.integer(9)];
     Tree a = scaled(all[random.integer(7)], factor), b = scaled(all[random.integer(7)], factor);
+    // Unlike sizes.
+    if (random.integer(4) == 0 && factor < 6e37) b = scaled(b, std::pow(10.0, random(-4, 0)));
+    if (random.integer(8) == 0 && factor <= 1) a = scaled(a, std::pow(10.0, random(0, 6)));
     if (factor == 1e6) {
       a = Tree(shapes::moved(shapes::scaled(a.mesh, 1e-6), {1e6, -3e5, 2e5}));
       b = Tree(shapes::moved(shapes::scaled(b.mesh, 1e-6), {-2e5, 1e6, 8e5}));
@@ -143,7 +148,7 @@ TEST(BoxGate, NeverDropsLeavesThatComeNear) {
     std::vector<BoxGate> gates;
     const int cuts = motion.at_rest ? 1 : std::vector{1, 1, 2, 4}[random.integer(4)];
     for (int i = 0; i < cuts; ++i) {
-      gates.emplace_back(motion.part(1.0 * i / cuts, (i + 1.0) / cuts), a.radius, b.radius, distance);
+      gates.emplace_back(motion.part(1.0 * i / cuts, (i + 1.0) / cuts), a.body(), b.body(), distance);
     }
     std::set<std::pair<std::int32_t, std::int32_t>> found;
     for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, gates)) {
@@ -182,7 +187,7 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
     motion.b[1] = map(random_rotation(random, 0.1) * motion.b[0].linear, motion.b[0].offset + random.point(0.1));
     const double distance = 0.01;
     for (const auto& [first_a, count_a, first_b, count_b] :
-         visited(a, b, BoxGate(motion, a.radius, b.radius, distance))) {
+         visited(a, b, BoxGate(motion, a.body(), b.body(), distance))) {
       ++visits;
       // Leaves of about 0.15 across that move by as much.
       Real least = 1;
@@ -204,7 +209,7 @@ TEST(BoxGate, StopsWhenAskedTo) {
   const Tree a(shapes::sphere(2));
   PairMotion motion;
   motion.at_rest = true;
-  const BoxGate gate(motion, a.radius, a.radius, 1e-3);
+  const BoxGate gate(motion, a.body(), a.body(), 1e-3);
   const std::size_t all = visited(a, a, gate).size();
   ASSERT_GT(all, 50U);
   for (const int stop_after : {1, 7}) {
@@ -230,7 +235,7 @@ TEST(BoxGate, ProvesNothingWithInfiniteOrUnknownNumbers) {
   const auto pairs = [&](const PairMotion& motion, double distance) {
     std::size_t sum = 0;
     for (const auto& [first_a, count_a, first_b, count_b] :
-         visited(a, a, BoxGate(motion, a.radius, a.radius, distance))) {
+         visited(a, a, BoxGate(motion, a.body(), a.body(), distance))) {
       sum += static_cast<std::size_t>(count_a) * static_cast<std::size_t>(count_b);
     }
     return sum;
@@ -262,7 +267,7 @@ TEST(BoxGate, VisitsTheSameLeavesInTheSameOrderOnEveryInstructionSet) {
     for (int round = 0; round < 300; ++round) {
       const Tree &a = all[random.integer(7)], &b = all[random.integer(7)];
       const PairMotion motion = random_step(random, a, b, 1);
-      sequences.push_back(visited(a, b, BoxGate(motion, a.radius, b.radius, random(0, 0.2))));
+      sequences.push_back(visited(a, b, BoxGate(motion, a.body(), b.body(), random(0, 0.2))));
     }
     return sequences;
   };
