@@ -139,8 +139,8 @@ TEST(AssetReader, verify_cages_notices_damage_to_json_and_cages_only) {
   // Bytes in which a flipped lowest bit leaves a valid mesh, and what must be noticed.
   std::vector<std::pair<std::size_t, bool>> places;
   for (std::size_t i = 0; i < bin_start; ++i) places.emplace_back(i, true);
-  for (std::size_t i = 0; i < 96; i += 4) places.emplace_back(bin_start + i, false);       // the source's vertices
-  places.emplace_back(bin_start + 96, false);                                              // padding
+  for (std::size_t i = 0; i < 96; i += 4) places.emplace_back(bin_start + i, false);  // the source's vertices
+  places.emplace_back(bin_start + 96, false);                                         // padding
   const std::size_t cage = section_offset(good, "cage 1 vertices");
   for (std::size_t i = 0; i < 72; i += 4) places.emplace_back(cage + i, true);
   for (std::size_t i = 0; i < seal_size; ++i) {
