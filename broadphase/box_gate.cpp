@@ -272,13 +272,13 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   const Vector other_middle = as_vector(other.grid.origin) + 32768 * other_step;
   std::array<AffineMap, 2> relative;
   double stretch = 1, offset = 0;
-  bool finite = true;
+  bool finite = true;  // NaN would not survive the maxima
   for (int end = 0; end < ends; ++end) {
     const Matrix inverse = maps[end].linear.inverse();
     relative[end] = {inverse * others[end].linear, inverse * (others[end].offset - maps[end].offset)};
+    finite = finite && relative[end].linear.allFinite() && relative[end].offset.allFinite();
     stretch = std::max(stretch, norm_bound(relative[end].linear));
     offset = std::max(offset, relative[end].offset.norm());
-    finite = finite && relative[end].linear.allFinite() && relative[end].offset.allFinite();
     for (int k = 0; k < 3; ++k) {
       side.map[end][k] = column((relative[end].linear.col(k) * other_step[k]).cwiseQuotient(step));
       for (std::size_t i = 0; i < 4; ++i) side.magnitude[end][k][i] = std::abs(side.map[end][k][i]);

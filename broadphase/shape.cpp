@@ -89,12 +89,12 @@ ShapePtr make_shape(const CageHierarchy& hierarchy) {
 
 ShapePtr load_shape(const std::filesystem::path& file) {
   AssetView view(file, Verify::cages);
-  const auto fine = view.fine();
-  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
-  const auto shape = describe(view.description());
   for (const AssetSection& section : view.sections()) {
     if (section.kind == SectionKind::fine) view.verify_hash(section);
   }
+  const auto fine = view.fine();
+  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
+  const auto shape = describe(view.description());
   try {
     // Assets from before trees were stored have none.
     const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
