@@ -272,9 +272,11 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   const Vector other_middle = as_vector(other.grid.origin) + 32768 * other_step;
   std::array<AffineMap, 2> relative;
   double stretch = 1, offset = 0;
+  bool finite = true;  // NaN would not survive the maxima
   for (int end = 0; end < ends; ++end) {
     const Matrix inverse = maps[end].linear.inverse();
     relative[end] = {inverse * others[end].linear, inverse * (others[end].offset - maps[end].offset)};
+    finite = finite && relative[end].linear.allFinite() && relative[end].offset.allFinite();
     stretch = std::max(stretch, norm_bound(relative[end].linear));
     offset = std::max(offset, relative[end].offset.norm());
     for (int k = 0; k < 3; ++k) {
@@ -307,7 +309,7 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   // 128 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
   const double size = body.radius + middle.norm() + stretch * (other.radius + other_middle.norm()) + offset;
   const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
-  side.works = shrink > 0.05 && stretch < 1e3 && size < 1e30 && gap < 1e30;
+  side.works = finite && shrink > 0.05 && stretch < 1e3 && size < 1e30 && gap < 1e30;
   if (!side.works) return side;
   side.gap.fill(std::nextafter(static_cast<float>(gap), std::numeric_limits<float>::infinity()));
   side.place_gap = column(Vector::Constant(gap * (1 + 0x1p-22)).cwiseQuotient(step));

@@ -38,8 +38,8 @@ bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, dou
 /// the exact one, and no more than `tolerance` above it.
 double support(const Surface& surface, const Eigen::Vector3d& n, double tolerance = 0) noexcept;
 
-/// World box of the body at one pose, rounding included: that of a cage with few
-/// vertices; without one that of the body, wider than need be by 2^-8 of its radius at most.
+/// World box of the body at one pose, rounding included: that of a mesh or cage
+/// with few vertices; without one that of the body, wider than need be by 2^-8 of its radius at most.
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept;
 
 /// Cheaper and looser: the box of the ball about the local origin. It contains pose_box().

@@ -26,7 +26,8 @@ PlaneCheck::PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace
     height_[end] = plane.normal.dot(pose * shape.origin) - plane.offset;
     size += pose.translation().norm();
   }
-  const bool unit = std::abs(plane.normal.norm() - 1) <= 1e-9 && std::isfinite(plane.offset) && margin >= 0 && arc >= 0;
+  const bool unit = std::abs(plane.normal.norm() - 1) <= 1e-9 && std::isfinite(plane.offset) && margin >= 0 &&
+                    arc >= 0 && std::isfinite(arc);
   // Heights are off by less than 32 units of roundoff of the sizes; the normal's length scales them by 1 +- 1e-9.
   clearance_ = unit ? (margin + (1 + 1e-8) * shape.outer_error()) * (1 + 4e-9) + 32 * eps * size
                     : std::numeric_limits<double>::infinity();

@@ -122,10 +122,10 @@ bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, co
 }
 
 double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3d& pivot) noexcept {
+  if (motion.start.linear() == motion.end.linear()) return 0;
   // The Frobenius norm of R1 - R0 is sqrt(8) sin(angle/2).
   const double departure = departure_from_rigid(motion.start.linear()) + departure_from_rigid(motion.end.linear());
   const double norm = (motion.end.linear() - motion.start.linear()).norm() + 2 * departure;
-  if (motion.at_rest()) return 0;
   const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
   const double cosine = std::sqrt((1 - sine) * (1 + sine));
   // 1 - cos = sin^2 / (1 + cos): without cancellation.

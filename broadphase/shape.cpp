@@ -31,15 +31,16 @@ void add_cage(Shape& shape, const MeshArraysView& arrays) {
   if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
 }
 
-/// The finest cage that has few vertices: near the body, and quick to project.
+/// The fine mesh, or else the finest cage that has few vertices: near the body, and quick to project.
 void set_outline(Shape& shape) {
   constexpr std::size_t most_points = 1024;
-  for (const Surface& cage : shape.cages) {
-    if (cage.mesh.vertices.size() > most_points || !(cage.radius < 1e30)) continue;
-    shape.outline = Outline(cage.mesh.vertices);
-    shape.outline_radius = cage.radius;
-    return;
-  }
+  const auto fits = [&](const Surface& surface) {
+    if (surface.empty() || surface.mesh.vertices.size() > most_points || !(surface.radius < 1e30)) return false;
+    shape.outline = Outline(surface.mesh.vertices);
+    shape.outline_radius = surface.radius;
+    return true;
+  };
+  if (!fits(shape.fine)) static_cast<void>(std::any_of(shape.cages.begin(), shape.cages.end(), fits));
 }
 
 void set_fine(Shape& shape, const MeshArraysView& arrays) {
@@ -88,12 +89,12 @@ ShapePtr make_shape(const CageHierarchy& hierarchy) {
 
 ShapePtr load_shape(const std::filesystem::path& file) {
   AssetView view(file, Verify::cages);
-  const auto fine = view.fine();
-  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
-  const auto shape = describe(view.description());
   for (const AssetSection& section : view.sections()) {
     if (section.kind == SectionKind::fine) view.verify_hash(section);
   }
+  const auto fine = view.fine();
+  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
+  const auto shape = describe(view.description());
   try {
     // Assets from before trees were stored have none.
     const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);

@@ -37,8 +37,8 @@ class Shape {
   double radius = 0;           ///< largest of all surfaces
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty
-  Outline outline;             ///< a cage's vertices; empty if no cage is small enough
-  double outline_radius = 0;   ///< of that cage
+  Outline outline;             ///< the vertices of a surface that has few; may be empty
+  double outline_radius = 0;   ///< of that surface
 
   /// The surface whose box bounds the body, and the error of that.
   const Surface& outer() const { return fine.empty() ? cages.front() : fine; }

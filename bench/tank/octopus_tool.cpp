@@ -4,15 +4,14 @@
 #include <encage/bake.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
-#include <string_view>
 
 #include "bench/tank/drift.h"
 #include "bench/tank/octopus.h"
+#include "bench/tank/seconds.h"
 
 namespace {
 
@@ -40,24 +39,9 @@ struct Arguments {
   std::string dt = "1/480";
 };
 
-double parse_number(std::string_view text, const std::string& whole) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) throw Error("--dt " + whole + ": not a number");
-  return value;
-}
-
-// Seconds, as a decimal number or a fraction like 1/480.
-double parse_seconds(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  if (slash == std::string::npos) return parse_number(text, text);
-  const std::string_view view(text);
-  return parse_number(view.substr(0, slash), text) / parse_number(view.substr(slash + 1), text);
-}
-
 void run(Arguments& a) {
   if (a.mesh.empty() && a.poses.empty()) throw Error("nothing to do: give -o or --poses");
-  a.drift.dt = parse_seconds(a.dt);
+  a.drift.dt = encage::tank::parse_seconds("--dt", a.dt);
   // Poses first: they check their arguments, and a mistake leaves no mesh behind.
   std::vector<encage::PoseStep> steps;
   if (!a.poses.empty()) steps = encage::tank::drifting_poses(a.drift);

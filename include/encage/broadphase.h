@@ -69,9 +69,8 @@ bool is_usable(const Motion& motion) noexcept;
 double arc_margin(const Shape& shape, const Motion& motion,
                   const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
 
-/// World box that contains the body during the whole motion, rounding included:
-/// the box of the fine mesh, or of the finest cage if the asset has no fine
-/// mesh. The whole space if a pose is not finite or farther than 1e-9 from rigid.
+/// World box that contains the body during the whole motion, rounding included: not the
+/// least one, but that of a cage with few vertices, if there is one. The whole space if the motion is not usable.
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept;
 
 /// The solid { x : normal . x <= offset } of the world; normal of unit length within 1e-9.

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace encage::test {
@@ -126,6 +127,28 @@ inline std::vector<Real> least_distances(const TriangleMesh& a, const Eigen::Vec
     }
   }
   return least;
+}
+
+/// Least value of a function of time near its least sample: narrower and narrower around it.
+template <class Function>
+Real least_value(Function&& value, Real from = 0, Real to = 1) {
+  constexpr int count = 24;
+  Real best = std::numeric_limits<Real>::infinity();
+  for (int round = 0; round < 8; ++round) {
+    Real at = from;
+    const Real step = (to - from) / count;
+    for (int s = 0; s <= count; ++s) {
+      const Real t = s == count ? to : from + s * step, v = value(t);
+      if (v < best) {
+        best = v;
+        at = t;
+      }
+    }
+    const Real low = std::max(from, at - step), high = std::min(to, at + step);
+    from = low;
+    to = high;
+  }
+  return best;
 }
 
 inline Eigen::Vector3d random_direction(shapes::Random& random) {

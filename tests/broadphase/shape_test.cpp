@@ -60,13 +60,13 @@ TEST(Shape, RefusesMalformedHierarchies) {
   EXPECT_EQ(message([](CageHierarchy& h) { h.levels[1].mesh = {}; }), "cage 2: no triangles");
   EXPECT_EQ(message([](CageHierarchy& h) { h.levels[0].mesh.triangles.conservativeResize(3, 3); }),
             "cage 1: not closed");
-  EXPECT_EQ(message([](CageHierarchy& h) { h.levels[0].mesh.vertices(2, 1) = nan; }),
-            "cage 1: vertex 2: not finite");
+  EXPECT_EQ(message([](CageHierarchy& h) { h.levels[0].mesh.vertices(2, 1) = nan; }), "cage 1: vertex 2: not finite");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.vertices(3, 0) = 0.1; }),
             "fine mesh: vertex 3: 0.10000000000000001 is not exact in float32");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.vertices(3, 0) = 0x1p200; }),
             "fine mesh: vertex 3: 1.6069380442589903e+60 is not exact in float32");
-  EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = 4; }), "fine mesh: triangle 1: index 4 is out of range, there are 4 vertices");
+  EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = 4; }),
+            "fine mesh: triangle 1: index 4 is out of range, there are 4 vertices");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = -1; }),
             "fine mesh: triangle 1: index 4294967295 is out of range, there are 4 vertices");
   EXPECT_EQ(message([](CageHierarchy& h) { h.origin.y() = nan; }), "hierarchy: the origin is not finite");

@@ -2,6 +2,7 @@
 #include "broadphase/triangle_pair.h"
 
 #include "tests/broadphase/exact_pair.h"
+#include "tests/broadphase/sampled.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -91,6 +92,103 @@ TEST_F(TrianglePairs, NearContactOfEveryFeaturePair) {
     }
     EXPECT_TRUE(test::triangles_meet(a, placed[i], 0)) << i;
     EXPECT_FALSE(triangles_apart(a, placed[i], slack(2))) << i;
+  }
+}
+
+// ---- Moving ----------------------------------------------------------------
+
+test::RealTriangle at(const MovingTriangle& m, test::Real t) {
+  test::RealTriangle result;
+  for (int k = 0; k < 3; ++k) result[k] = (1 - t) * m.start[k].cast<test::Real>() + t * m.end[k].cast<test::Real>();
+  return result;
+}
+
+/// Least distance during the motion.
+test::Real least_distance(const MovingTriangle& a, const MovingTriangle& b) {
+  return test::least_value([&](test::Real t) { return test::triangle_distance(at(a, t), at(b, t)); });
+}
+
+class MovingTrianglePairs : public TrianglePairs {
+ protected:
+  /// Nearly rigid motions, or any.
+  MovingTriangle moving(double turn, double way) {
+    MovingTriangle m;
+    m.start = triangle();
+    const Eigen::Matrix3d r = Eigen::AngleAxisd(uniform(-turn, turn), point().normalized()).toRotationMatrix();
+    const Vector d = point() * way;
+    for (int k = 0; k < 3; ++k) m.end[k] = r * m.start[k] + d;
+    return m;
+  }
+  static void shift(MovingTriangle& m, const Vector& by) {
+    for (int k = 0; k < 3; ++k) m.start[k] += by, m.end[k] += by;
+  }
+};
+
+TEST_F(MovingTrianglePairs, NeverApartWhenTheyComeNear) {
+  int full = 0, quick = 0, near = 0;
+  for (int i = 0; i < 1'500; ++i) {
+    MovingTriangle a = moving(i % 2 == 0 ? 3 : 0.3, 1), b = moving(i % 2 == 0 ? 3 : 0.3, 1);
+    if (i % 4 == 0) a.end = triangle(), b.end = triangle();  // no rigid motion at all
+    shift(b, point() * 1.5);
+    const double margin = i % 3 == 0 ? 0 : uniform(0, 0.5);
+    const bool said = moving_triangles_apart(a, b, margin + slack(6));
+    const bool said_quickly = quickly_apart(a, b, margin + slack(6));
+    const test::Real least = least_distance(a, b);
+    full += said;
+    quick += said_quickly;
+    near += least <= margin;
+    // A distance at some time is one of the motion.
+    ASSERT_FALSE(said && least <= margin) << "pair " << i;
+    ASSERT_FALSE(said_quickly && least <= margin) << "pair " << i;
+  }
+  EXPECT_GT(full, 400);
+  EXPECT_GT(quick, 300);
+  EXPECT_GT(near, 150);
+}
+
+TEST_F(MovingTrianglePairs, FindsWhatIsApartByLittle) {
+  for (const double turn : {0.0, 0.01, 0.3}) {
+    // One axis for 1/256 of the step: edges of length 3 turn away from it by as much as they turn in half of that.
+    const double least_gap = 1e-6 + 2 * 3 * turn / 512;
+    int asked = 0, quick = 0;
+    for (int i = 0; i < 500; ++i) {
+      MovingTriangle a = moving(turn, 0.01), b = moving(turn, 0.01);
+      shift(b, point() * 2);
+      const auto least = static_cast<double>(least_distance(a, b));
+      if (least <= 2 * least_gap) continue;
+      ++asked;
+      ASSERT_TRUE(moving_triangles_apart(a, b, least - least_gap)) << "pair " << i << ", " << turn;
+      quick += quickly_apart(a, b, 0.5 * least);
+    }
+    EXPECT_GT(asked, 300);
+    EXPECT_GT(quick * 10, asked * 8);
+  }
+}
+
+TEST_F(MovingTrianglePairs, AtRestTheSameAsTriangles) {
+  for (int i = 0; i < 3'000; ++i) {
+    const TriangleD a = triangle(), b = triangle();
+    const double distance = uniform(0, 1);
+    EXPECT_EQ(moving_triangles_apart({a, a}, {b, b}, distance), triangles_apart(a, b, distance)) << "pair " << i;
+    if (quickly_apart({a, a}, {b, b}, distance)) {
+      EXPECT_TRUE(triangles_apart(a, b, distance - 1e-9)) << "pair " << i;
+    }
+  }
+}
+
+TEST_F(MovingTrianglePairs, WhatPassesThroughIsNotApart) {
+  const TriangleD face{Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)};
+  for (const double height : {1e-6, 1.0, 1e3, 1e6}) {
+    MovingTriangle m;
+    for (int k = 0; k < 3; ++k) {
+      m.start[k] = 0.1 * face[k] + Vector(0.2, 0.2, height);
+      m.end[k] = 0.1 * face[k] + Vector(0.2, 0.2, -height);
+    }
+    EXPECT_FALSE(moving_triangles_apart({face, face}, m, 1e-12 * height));
+    EXPECT_FALSE(quickly_apart({face, face}, m, 1e-12 * height));
+    // Beside it, as fast.
+    shift(m, Vector(2, 0, 0));
+    EXPECT_TRUE(moving_triangles_apart({face, face}, m, 1e-9));
   }
 }
 

@@ -62,6 +62,19 @@ inline std::string forge(const std::string& asset, const std::function<void(nloh
   return bytes + to_string(hash_bytes(as_byte_span(bytes)));
 }
 
+/// Where an asset's section starts, within the file.
+inline std::size_t section_offset(const std::string& asset, const std::string& name) {
+  const Glb glb = parse_glb(as_byte_span(asset), "asset");
+  const nlohmann::json document = nlohmann::json::parse(glb.json);
+  for (const auto& section : document["extensions"][asset_extension]["sections"]) {
+    if (section["name"] != name) continue;
+    const auto& view = document["bufferViews"][section["bufferView"].get<std::size_t>()];
+    return glb.head.size() + view["byteOffset"].get<std::size_t>();
+  }
+  ADD_FAILURE() << "no section " << name;
+  return 0;
+}
+
 inline std::string read_bytes(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};

@@ -139,9 +139,10 @@ TEST(AssetReader, verify_cages_notices_damage_to_json_and_cages_only) {
   // Bytes in which a flipped lowest bit leaves a valid mesh, and what must be noticed.
   std::vector<std::pair<std::size_t, bool>> places;
   for (std::size_t i = 0; i < bin_start; ++i) places.emplace_back(i, true);
-  for (std::size_t i = 0; i < 96; i += 4) places.emplace_back(bin_start + i, false);       // the source's vertices
-  places.emplace_back(bin_start + 96, false);                                              // padding
-  for (std::size_t i = 0; i < 72; i += 4) places.emplace_back(bin_start + 896 + i, true);  // cage 1's vertices
+  for (std::size_t i = 0; i < 96; i += 4) places.emplace_back(bin_start + i, false);  // the source's vertices
+  places.emplace_back(bin_start + 96, false);                                         // padding
+  const std::size_t cage = section_offset(good, "cage 1 vertices");
+  for (std::size_t i = 0; i < 72; i += 4) places.emplace_back(cage + i, true);
   for (std::size_t i = 0; i < seal_size; ++i) {
     places.emplace_back(good.size() - seal_size + i, i < seal_hash_size);
   }
@@ -161,10 +162,8 @@ TEST(AssetReader, verify_cages_notices_damage_to_json_and_cages_only) {
 TEST(AssetReader, names_file_section_and_reason) {
   const TemporaryFile file;
   const std::string good = encode_asset(sample_hierarchy(), "Encage 0.1.0", "f");
-  const Glb glb = parse_glb(as_byte_span(good), "f");
-  const std::size_t cage = glb.head.size() + 896;  // behind the arrays of the source
   std::string bad = good;
-  bad[cage + 2] ^= 1;
+  bad[section_offset(good, "cage 1 vertices") + 2] ^= 1;
   write_bytes(file.path(), bad);
   EXPECT_EQ(error_of([&] { read_asset(file.path()); }),
             file.path().string() + ": section \"cage 1 vertices\": its hash does not match: the file is damaged");

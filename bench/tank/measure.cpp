@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/tank/measure.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "bench/tank/cpu_clock.h"
+
+namespace encage::tank {
+namespace {
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double ratio(double a, double b) { return b > 0 ? a / b : 0; }
+
+std::int64_t touching_bodies(const Detection& detection) {
+  std::set<std::int32_t> bodies;
+  for (const BodyContact& contact : detection.contacts) bodies.insert({contact.body_a, contact.body_b});
+  return static_cast<std::int64_t>(bodies.size());
+}
+
+/// A strategy, what it answered and what it took.
+struct Contestant {
+  Strategy strategy;
+  std::vector<std::int64_t> steps;   ///< those it was asked about, increasing
+  std::vector<Detection> answers;    ///< as `steps`
+  std::vector<double> milliseconds;  ///< as `steps`
+};
+
+class Meter {
+ public:
+  Meter(const TankBody& body, const Recording& recording, const MeasureOptions& options)
+      : body_(body), steps_(recording.steps), options_(options) {
+    const auto count = static_cast<std::int64_t>(steps_.size());
+    all_ = evenly_spread(count, count);
+    sample_ = evenly_spread(count, options.rebuild_steps);
+  }
+
+  Measurement run() {
+    Measurement result;
+    result.steps = static_cast<std::int64_t>(all_.size());
+    result.sampled_steps = static_cast<std::int64_t>(sample_.size());
+    leave_out(result);
+    for (const Baseline baseline : {Baseline::rebuild_kdop, Baseline::rebuild_embree, Baseline::prebuilt}) {
+      if (baseline != Baseline::prebuilt && sample_.empty()) continue;
+      for (const bool cages : {false, true}) {
+        contestants_.push_back({make_strategy(body_, baseline, cages, options_.strategy),
+                                baseline == Baseline::prebuilt ? all_ : sample_,
+                                {},
+                                {}});
+      }
+    }
+    prebuilt_ = contestants_.size() - 2;
+    run_prebuilt();
+    if (!sample_.empty()) run_rebuild();
+    summarize(result);
+    find_faults(result);
+    return result;
+  }
+
+ private:
+  void leave_out(Measurement& result) {
+    for (const RecordedStep& step : steps_) {
+      left_out_.push_back(pairs_in_contact_at_start(body_, step));
+      result.left_out += static_cast<std::int64_t>(left_out_.back().size());
+      report(left_out_.size(), steps_.size(), "pairs in contact at the start of a step");
+    }
+  }
+
+  void run_prebuilt() {
+    const std::size_t total = 2 * all_.size() * static_cast<std::size_t>(options_.runs);
+    std::size_t done = 0;
+    std::vector<std::vector<double>> times[2] = {std::vector<std::vector<double>>(all_.size()),
+                                                 std::vector<std::vector<double>>(all_.size())};
+    for (int r = 0; r < options_.runs; ++r) {
+      for (std::size_t s = 0; s < 2; ++s) {
+        Contestant& contestant = contestants_[prebuilt_ + s];
+        contestant.answers.resize(all_.size());
+        for (std::size_t i = 0; i < all_.size(); ++i) {
+          times[s][i].push_back(time(contestant.strategy, all_[i], contestant.answers[i]));
+          report(++done, total, "prebuilt trees");
+        }
+      }
+    }
+    for (std::size_t s = 0; s < 2; ++s) {
+      for (std::vector<double>& runs : times[s]) contestants_[prebuilt_ + s].milliseconds.push_back(median(runs));
+    }
+  }
+
+  void run_rebuild() {
+    warm_up();
+    const std::size_t total = prebuilt_ * sample_.size();
+    std::size_t done = 0;
+    for (const std::int64_t i : sample_) {
+      for (std::size_t s = 0; s < prebuilt_; ++s) {
+        Contestant& contestant = contestants_[s];
+        contestant.milliseconds.push_back(time(contestant.strategy, i, contestant.answers.emplace_back()));
+        report(++done, total, "rebuilt trees");
+      }
+    }
+  }
+
+  // Trees touch their memory for the first time outside the clock, as they would in a long run.
+  void warm_up() {
+    for (std::size_t s = 0; s < prebuilt_; ++s) {
+      const std::vector<Detection>& known = contestants_[prebuilt_ + s % 2].answers;
+      const std::int64_t most = *std::max_element(sample_.begin(), sample_.end(), [&](std::int64_t i, std::int64_t j) {
+        return known[i].bodies < known[j].bodies;
+      });
+      contestants_[s].strategy.detect(steps_[most], left_out_[most]);
+    }
+  }
+
+  void summarize(Measurement& result) const {
+    for (std::size_t s = 0; s < contestants_.size(); ++s) {
+      const Contestant& contestant = contestants_[s];
+      StrategyResult& r = result.strategies.emplace_back();
+      r.name = contestant.strategy.name();
+      r.rebuilds = s < prebuilt_;
+      r.steps_timed = static_cast<std::int64_t>(contestant.steps.size());
+      for (std::size_t i = 0; i < contestant.steps.size(); ++i) {
+        r.ms_per_step += contestant.milliseconds[i] / static_cast<double>(contestant.steps.size());
+        r.counts += contestant.answers[i].counts;
+        if (std::binary_search(sample_.begin(), sample_.end(), contestant.steps[i])) {
+          r.sampled_ms += contestant.milliseconds[i] / static_cast<double>(sample_.size());
+        }
+      }
+      // The stages on bodies are the same for all baselines, and the prebuilt ones went through all steps.
+      for (const Detection& answer : contestants_[prebuilt_ + s % 2].answers) r.bodies += answer.bodies;
+    }
+    result.counts = result.strategies.back().counts;
+    for (const Detection& answer : contestants_[prebuilt_].answers) result.oracle_bodies += touching_bodies(answer);
+  }
+
+  void find_faults(Measurement& result) const {
+    for (const std::int64_t i : all_) {
+      std::vector<const Detection*> answers;
+      std::vector<std::size_t> numbers;
+      for (std::size_t s = 0; s < contestants_.size(); ++s) {
+        const std::vector<std::int64_t>& steps = contestants_[s].steps;
+        const auto at = std::lower_bound(steps.begin(), steps.end(), i);
+        if (at == steps.end() || *at != i) continue;
+        answers.push_back(&contestants_[s].answers[at - steps.begin()]);
+        numbers.push_back(s);
+      }
+      const std::vector<Faults> faults = compare(steps_[i], answers, options_.judge);
+      for (std::size_t k = 0; k < numbers.size(); ++k) result.strategies[numbers[k]].faults += faults[k];
+      report(static_cast<std::size_t>(i) + 1, all_.size(), "judging contacts");
+    }
+  }
+
+  // Milliseconds.
+  double time(Strategy& strategy, std::int64_t i, Detection& answer) const {
+    const double start = thread_cpu_seconds();
+    answer = strategy.detect(steps_[i], left_out_[i]);
+    return 1e3 * (thread_cpu_seconds() - start);
+  }
+
+  void report(std::size_t done, std::size_t total, std::string_view what) const {
+    options_.progress(static_cast<double>(done) / static_cast<double>(total), what);
+  }
+
+  const TankBody& body_;
+  const std::vector<RecordedStep>& steps_;
+  const MeasureOptions& options_;
+  std::vector<std::int64_t> all_, sample_;  // indices of steps_
+  std::vector<std::vector<BodyPair>> left_out_;
+  std::vector<Contestant> contestants_;  // with and without cages in turn; the last two need no rebuilding
+  std::size_t prebuilt_ = 0;             // the first of these two
+};
+
+}  // namespace
+
+const StrategyResult& Measurement::strategy(const std::string& name) const {
+  for (const StrategyResult& result : strategies) {
+    if (result.name == name) return result;
+  }
+  throw std::out_of_range("no strategy " + name);
+}
+
+double Measurement::speedup(const std::string& slow, const std::string& fast) const {
+  return sampled_steps > 0 ? ratio(strategy(slow).sampled_ms, strategy(fast).sampled_ms) : 0;
+}
+
+double Measurement::speedup_count() const {
+  return ratio(static_cast<double>(strategy("prebuilt").bodies),
+               static_cast<double>(strategy("prebuilt+cages").bodies));
+}
+
+Faults Measurement::faults() const {
+  Faults sum;
+  for (const StrategyResult& result : strategies) sum += result.faults;
+  return sum;
+}
+
+Measurement measure(const TankBody& body, const Recording& recording, const MeasureOptions& options) {
+  return Meter(body, recording, options).run();
+}
+
+std::vector<std::int64_t> evenly_spread(std::int64_t total, std::int64_t count) {
+  count = std::min(total, count);
+  std::vector<std::int64_t> numbers;
+  for (std::int64_t i = 0; i < count; ++i) numbers.push_back((2 * i + 1) * total / (2 * count));
+  return numbers;
+}
+
+std::vector<BodyPair> pairs_in_contact_at_start(const TankBody& body, const RecordedStep& step) {
+  PairOptions options;
+  options.cages = false;
+  const auto count = static_cast<std::int32_t>(step.bodies.size());
+  std::vector<BodyPair> pairs;
+  for (BodyPair pair; pair.a < count; ++pair.a) {
+    for (pair.b = pair.a + 1; pair.b < count; ++pair.b) {
+      const Motion a = Motion::resting(step.bodies[pair.a].motion.start);
+      const Motion b = Motion::resting(step.bodies[pair.b].motion.start);
+      if (!separated(*body.shape, a, *body.shape, b, options).separated) pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+}  // namespace encage::tank

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/tank/measure.h"
+
+namespace encage::tank {
+
+/// The keys of design.md, section 8, that come from the measurement, and more about it.
+nlohmann::ordered_json to_json(const Measurement& measurement);
+
+/// A table of the strategies, and the ratios between them.
+std::string to_text(const Measurement& measurement);
+
+}  // namespace encage::tank

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/tank/simulate.h"
+
+namespace encage::tank {
+
+/// Steps, held bodies, detections, energy and CPU time of a simulation.
+nlohmann::ordered_json to_json(const Simulation& simulation);
+
+/// The same in a few lines.
+std::string to_text(const Simulation& simulation);
+
+}  // namespace encage::tank

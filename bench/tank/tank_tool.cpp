@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// encage-tank: many copies of a body in a narrow tank; what collision detection costs with cages and without.
+
+#include <encage/asset.h>
+#include <encage/bake.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/tank/exact_judge.h"
+#include "bench/tank/interpenetration.h"
+#include "bench/tank/measure.h"
+#include "bench/tank/measurement_report.h"
+#include "bench/tank/octopus.h"
+#include "bench/tank/recorded_poses.h"
+#include "bench/tank/seconds.h"
+#include "bench/tank/simulate.h"
+#include "bench/tank/simulation_report.h"
+#include "cagegen/tool/bake_mesh.h"
+#include "cagegen/tool/command.h"
+#include "cagegen/tool/interrupt.h"
+#include "cagegen/tool/output_file.h"
+#include "cagegen/tool/progress.h"
+
+namespace encage::tank {
+namespace {
+
+constexpr const char* description =
+    "Drops copies of a body into a narrow tank with continuous collision detection, records the\n"
+    "steps and measures how long several strategies take to detect the collisions: trees rebuilt in\n"
+    "every step, as in the paper, or built once; each alone and behind the test of the cages.";
+
+constexpr const char* examples = R"(Examples:
+  encage-tank --json tank.json
+      eighteen octopuses of half a million triangles, dropped one by one
+  encage-tank --scene bouncing --seconds 10 --asset octopus.glb --poses bouncing.csv
+      with cages that encage bake made; the trajectory is written as well
+  encage-tank --asset octopus.glb --replay bouncing.csv --every 10
+      nothing is simulated: bodies move from each recorded pose to the next one
+
+Exit status: 0 if all strategies found the same contacts and no bodies interpenetrate, 1 if not, 2 for bad
+input or usage.)";
+
+struct Arguments {
+  std::filesystem::path mesh, asset, replay, json, poses;
+  std::int64_t faces = default_octopus_faces;
+  BakeOptions bake;
+  std::string scene = "drop";
+  SceneOptions tank;
+  std::string dt = "1/960";
+  double width = 0;
+  std::int64_t every = 1;
+  std::int64_t exact_checks = 20;
+  bool simulate_only = false;
+  MeasureOptions measure;
+  int level = 0;
+};
+
+/// What is measured on.
+struct Input {
+  CageHierarchy hierarchy;
+  std::optional<Simulation> simulation;
+  Recording recording;
+  Hash trajectory_hash;
+  std::int64_t interpenetrations = 0;
+  std::int64_t exact_checks = 0;  ///< steps
+};
+
+void define(CLI::App& app, Arguments& a) {
+  app.footer(examples);
+  const auto at_least = [](auto least) { return CLI::Range(least, decltype(least){1'000'000'000}).description(""); };
+  CLI::Option* faces = app.add_option("--faces", a.faces, "Triangles of the built-in octopus, within 1 %")
+                           ->capture_default_str()
+                           ->type_name("N");
+  CLI::Option* mesh =
+      app.add_option("--mesh", a.mesh, "Mesh of the bodies instead of the octopus")->excludes(faces)->type_name("FILE");
+  app.add_option("--asset", a.asset, "Asset with cages and fine mesh, instead of baking one")
+      ->excludes(faces)
+      ->excludes(mesh)
+      ->type_name("FILE.glb");
+  CLI::Option* replay = app.add_option("--replay", a.replay, "Measure on recorded poses")->type_name("FILE.csv");
+  app.add_option("--every", a.every, "Of recorded poses, take every K-th step")
+      ->needs(replay)
+      ->check(at_least(std::int64_t{1}))
+      ->type_name("K");
+  for (CLI::Option* simulated :
+       {app.add_option("--scene", a.scene, "drop: one by one; bouncing: energy is kept up; resting: it is drained")
+            ->check(CLI::IsMember({"drop", "bouncing", "resting"}).description(""))
+            ->capture_default_str()
+            ->type_name("drop|bouncing|resting"),
+        app.add_option("--bodies", a.tank.bodies, "Bodies")->check(at_least(1))->capture_default_str()->type_name("N"),
+        app.add_option("--seconds", a.tank.seconds, "Simulated time")->capture_default_str()->type_name("S"),
+        app.add_option("--width", a.width, "Inner width of the tank (default 2.18 radii of the body)")->type_name("W"),
+        app.add_option("--drop-interval", a.tank.drop_interval, "Time from one body's entry to the next")
+            ->capture_default_str()
+            ->type_name("S"),
+        app.add_option("--poses", a.poses, "Write the trajectory")->type_name("FILE.csv"),
+        app.add_option("--exact-checks", a.exact_checks, "Steps whose poses are checked exactly for interpenetration")
+            ->check(at_least(std::int64_t{0}))
+            ->capture_default_str()
+            ->type_name("N"),
+        app.add_flag("--simulate-only", a.simulate_only, "Measure nothing")}) {
+    simulated->excludes(replay);
+  }
+  app.add_option("--dt", a.dt, "Time step, a number or a fraction")->capture_default_str()->type_name("S");
+  app.add_option("--cage-level", a.level, "Cage level asked, 0 the finest")->check(at_least(0))->type_name("K");
+  app.add_option("--rebuild-steps", a.measure.rebuild_steps, "Steps on which rebuilding strategies are timed")
+      ->check(at_least(std::int64_t{0}))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--runs", a.measure.runs, "Runs of the others over all steps; the median of each step counts")
+      ->check(at_least(1))
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--threads", a.bake.threads, "Threads for baking, 0 for all; strategies always have one")
+      ->check(CLI::Range(0, 1024).description(""))
+      ->type_name("N");
+  app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
+}
+
+CageHierarchy load_hierarchy(const Arguments& a, tool::Progress& progress) {
+  if (!a.asset.empty()) return read_asset(a.asset, Verify::all);
+  progress.update(0, "making the body");
+  const TriangleMesh mesh = a.mesh.empty() ? make_octopus(a.faces) : tool::read_mesh(a.mesh);
+  const std::filesystem::path name = a.mesh.empty() ? "octopus" : a.mesh;
+  return tool::bake_mesh(name, mesh, a.bake, progress.context(&tool::interrupted)).hierarchy;
+}
+
+TriangleMesh body_frame(const TriangleMesh& fine, const Eigen::Vector3d& origin) {
+  TriangleMesh mesh = fine;
+  mesh.vertices.rowwise() += origin.transpose();
+  return mesh;
+}
+
+void simulate(const Arguments& a, const TankBody& body, tool::Progress& progress, Input& input) {
+  const TriangleMesh mesh = body_frame(body.mesh.mesh, body.mesh.origin);
+  SceneOptions options = a.tank;
+  options.scene = scene_named(a.scene);
+  if (a.width != 0) options.half_width = a.width / 2;
+  const MassProperties mass = mass_properties(mesh);
+  Context context;
+  context.progress = [&](double fraction) { progress.update(fraction, "simulating"); };
+  context.cancel = &tool::interrupted;
+  input.simulation = tank::simulate(body.shape, mass, options, context);
+  input.recording = std::move(input.simulation->recording);
+  input.trajectory_hash = input.simulation->trajectory_hash;
+
+  const std::vector<PoseStep>& poses = input.simulation->poses;
+  const auto checked = evenly_spread(static_cast<std::int64_t>(poses.size()), a.exact_checks);
+  for (const std::int64_t i : checked) {
+    input.interpenetrations += interpenetrations(mesh, poses[i]);
+    progress.update(static_cast<double>(++input.exact_checks) / static_cast<double>(checked.size()), "exact checks");
+    tool::throw_if_interrupted();
+  }
+}
+
+nlohmann::ordered_json to_json(const Arguments& a, const Input& input, const std::optional<Measurement>& measured) {
+  nlohmann::ordered_json json = {{"scene", a.replay.empty() ? a.scene : "replay"}};
+  json["bodies"] = input.recording.steps.empty() ? 0 : input.recording.steps.back().bodies.size();
+  json["faces"] = input.hierarchy.fine.triangles.rows();
+  json["cage_faces"] = nlohmann::ordered_json::array();
+  for (const CageLevel& level : input.hierarchy.levels) json["cage_faces"].push_back(level.mesh.triangles.rows());
+  json["cage_level"] = a.level;
+  json["dt"] = a.tank.dt;
+  if (measured) json.update(tank::to_json(*measured));
+  json["interpenetrations"] = input.interpenetrations;
+  json["exact_checks"] = input.exact_checks;
+  json["trajectory_hash"] = to_string(input.trajectory_hash);
+  if (input.simulation) json["simulation"] = tank::to_json(*input.simulation);
+  return json;
+}
+
+void print(const Arguments& a, const Input& input, const std::optional<Measurement>& measured) {
+  std::cout << (a.replay.empty() ? a.scene : a.replay.string()) << ", " << input.hierarchy.fine.triangles.rows()
+            << " triangles a body; cages:";
+  for (const CageLevel& level : input.hierarchy.levels) std::cout << ' ' << level.mesh.triangles.rows();
+  std::cout << " faces, asked: " << input.hierarchy.levels[a.level].mesh.triangles.rows() << '\n';
+  if (input.simulation) {
+    std::cout << to_text(*input.simulation) << input.interpenetrations << " interpenetrations in " << input.exact_checks
+              << " steps that were checked exactly\n";
+  }
+  std::cout << "trajectory " << to_string(input.trajectory_hash) << '\n';
+  if (measured) std::cout << '\n' << to_text(*measured);
+}
+
+int run(Arguments& a) {
+  const tool::InterruptScope scope;
+  for (const auto& file : {a.json, a.poses}) {
+    for (const auto& read : {a.mesh, a.asset, a.replay}) {
+      if (!file.empty()) tool::check_output(file, read);
+    }
+  }
+  a.tank.dt = parse_seconds("--dt", a.dt);
+  std::vector<PoseStep> recorded;
+  Input input;
+  if (!a.replay.empty()) {
+    recorded = read_poses(a.replay);
+    input.recording = recording_of(recorded, a.tank.dt, a.every, a.replay.string());
+    input.trajectory_hash = trajectory_hash(recorded);
+  }
+  tool::Progress progress = tool::Progress::on_stderr();
+  input.hierarchy = load_hierarchy(a, progress);
+  if (a.level >= static_cast<int>(input.hierarchy.levels.size())) {
+    throw Error("--cage-level " + std::to_string(a.level) + ": there are only " +
+                std::to_string(input.hierarchy.levels.size()) + " levels");
+  }
+  const TankBody body = make_tank_body(input.hierarchy);
+  if (a.replay.empty()) simulate(a, body, progress, input);
+
+  std::optional<Measurement> measured;
+  if (!a.simulate_only) {
+    a.measure.strategy.finest_cage = a.measure.strategy.coarsest_cage = a.level;
+    a.measure.judge = exact_judge(body, a.measure.strategy.contact);
+    a.measure.progress = [&](double fraction, std::string_view what) {
+      progress.update(fraction, what);
+      tool::throw_if_interrupted();
+    };
+    measured = measure(body, input.recording, a.measure);
+  }
+  if (!a.poses.empty()) write_poses(a.poses, input.simulation->poses);
+  if (!a.json.empty()) tool::write_json(a.json, to_json(a, input, measured));
+  print(a, input, measured);
+  if (!std::cout.flush()) throw Error("standard output: cannot write");
+  const bool sound = input.interpenetrations == 0 && (!measured || measured->faults() == Faults{});
+  return sound ? tool::success : tool::answer_is_no;
+}
+
+int parse_and_run(int argc, char** argv) {
+  CLI::App app(description, "encage-tank");
+  Arguments a;
+  a.bake.faces = {8000, 2000, 500};
+  define(app, a);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? tool::success : tool::bad_input;
+  }
+  return run(a);
+}
+
+}  // namespace
+}  // namespace encage::tank
+
+int main(int argc, char** argv) {
+  try {
+    return encage::tank::parse_and_run(argc, argv);
+  } catch (const encage::Cancelled&) {
+    std::cerr << "encage-tank: cancelled, nothing was written\n";
+    return encage::tool::cancelled;
+  } catch (const encage::Error& error) {
+    std::cerr << "encage-tank: " << error.what() << '\n';
+  } catch (const std::bad_alloc&) {
+    std::cerr << "encage-tank: out of memory\n";
+  } catch (const std::exception& error) {
+    std::cerr << "encage-tank: internal error: " << error.what() << '\n';
+  }
+  return encage::tool::bad_input;
+}
