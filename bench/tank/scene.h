@@ -39,7 +39,7 @@ struct SceneOptions {
   /// bouncing: mean kinetic energy of a body, at least, as the height of a fall in radii.
   double floor_height = 1;
   /// resting: mean kinetic energy in the end. Bodies without any would press on each other everywhere at once;
-  /// impulses do not reach through such a pile in a few passes, and most of it had to be held.
+  /// impulses do not reach through such a pile in a few passes, and much of it has to be held.
   double rest_height = 0.01;
   std::uint64_t seed = 1;  ///< of the initial orientations
   bool collisions = true;  ///< between bodies; without, only the walls stop them
