@@ -122,14 +122,32 @@ bool all_outside(const Surface& host, const Surface& guest, const PairFrame& fra
   });
 }
 
-bool could_hold(const Shape& host, const Shape& guest, const PairFrame& frame, double slack) noexcept {
+bool could_hold(const Shape& host, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
+                const std::array<AffineMap, 2>& guest_maps, double slack) noexcept {
   const Surface& outer = host.outer();
   const double reach = slack + (1 + 1e-8) * (host.outer_error() + guest.fine_error);
+  const Vector centre = 0.5 * (outer.lower.cast<double>() + outer.upper.cast<double>());
+  const Vector half = 0.5 * (outer.upper.cast<double>() - outer.lower.cast<double>());
+  // Beyond the box along n at both ends in the same sense, hence always: vertex and box move linearly.
+  const auto beyond = [&](const Vector& n, const Vector& x) {
+    bool above = true, below = true;
+    for (std::size_t end = 0; end < 2; ++end) {
+      const Vector u = host_maps[end].linear.transpose() * n;
+      const double offset = n.dot(guest_maps[end](x) - host_maps[end](centre));
+      const double required = u.cwiseAbs().dot(half) + reach;
+      above = above && offset > required;
+      below = below && -offset > required;
+    }
+    return above || below;
+  };
   const auto outside = [&](std::int32_t v) {
-    const Vector p = frame.map(guest.fine.vertex(v));
-    for (int axis = 0; axis < 3; ++axis) {
-      if (p[axis] < static_cast<double>(outer.lower[axis]) - reach) return true;
-      if (p[axis] > static_cast<double>(outer.upper[axis]) + reach) return true;
+    const Vector x = guest.fine.vertex(v);
+    for (const AffineMap& map : host_maps) {
+      for (int axis = 0; axis < 3; ++axis) {
+        // No longer than 1, so that asking for the whole reach is safe.
+        const Vector n = map.linear.col(axis) * (1 - 1e-8) / std::max(1.0, map.linear.col(axis).norm());
+        if (beyond(n, x)) return true;
+      }
     }
     return false;
   };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "broadphase/frame.h"
+#include "broadphase/pair_motion.h"
 
 #include <array>
 
@@ -35,9 +36,10 @@ Side locate(const Surface& surface, const Eigen::Vector3d& point) noexcept;
 /// point then stands for its component. `frame` maps guest's frame to host's.
 bool all_outside(const Surface& host, const Surface& guest, const PairFrame& frame) noexcept;
 
-/// For a host whose interior is unknown: false only if some vertex of the guest
-/// is proven to lie outside the host's box. `frame` maps the guest's frame to
-/// the host's, with errors up to `slack`.
-bool could_hold(const Shape& host, const Shape& guest, const PairFrame& frame, double slack) noexcept;
+/// For a host whose interior is unknown: false only if of every part of the guest some vertex is proven to stay
+/// outside the host's box during the whole interval. `host_maps` and `guest_maps` map to the common frame, with
+/// errors up to `slack`.
+bool could_hold(const Shape& host, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
+                const std::array<AffineMap, 2>& guest_maps, double slack) noexcept;
 
 }  // namespace encage

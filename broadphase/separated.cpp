@@ -21,8 +21,8 @@ bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, co
 /// Covers the error of the stored fine meshes; a pose stretches it by less than 1e-9.
 double fine_slack(const Shape& a, const Shape& b) { return (1 + 1e-8) * (a.fine_error + b.fine_error); }
 
-/// What the stages after the boxes share. Surfaces that never meet keep their places inside
-/// and outside of each other: containment is asked at the start of the step only.
+/// What the stages after the boxes share. Closed surfaces that never meet keep their places inside
+/// and outside of each other: that is asked at the start of the step only.
 class BodyPair {
  public:
   BodyPair(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin)
@@ -49,7 +49,8 @@ class BodyPair {
  private:
   // Whether one may lie in the other's unknown interior.
   bool hold(bool open_a, bool open_b) const {
-    return (open_a && could_hold(a_, b_, b_to_a_, distance_)) || (open_b && could_hold(b_, a_, a_to_b_, distance_));
+    return (open_a && could_hold(a_, motion_.a, b_, motion_.b, distance_)) ||
+           (open_b && could_hold(b_, motion_.b, a_, motion_.a, distance_));
   }
 
   const Shape& a_;

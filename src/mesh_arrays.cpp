@@ -124,7 +124,11 @@ MeshArrays make_mesh_arrays(const TriangleMesh& mesh, const std::string& place) 
   arrays.triangles = to_unsigned(mesh.triangles);
   check_exact(mesh.vertices, arrays.vertices, place);
   check_mesh({arrays.vertices, arrays.triangles}, place);
-  arrays.tree = build_wide_tree(mesh);
+  try {
+    arrays.tree = build_wide_tree(mesh);
+  } catch (const Error& error) {
+    throw Error(place + ": " + error.what());
+  }
   const std::vector<Edge> edges = sorted_edges(arrays.triangles);
   own_features(arrays, edges);
   find_parts(arrays, edges, mesh);

@@ -238,13 +238,17 @@ TreeGrid make_grid(std::span<const std::array<float, 3>> vertices) {
 }
 
 WideTree build_wide_tree(const TriangleMesh& mesh) {
-  if (mesh.triangles.rows() >= std::int64_t{1} << 29) throw Error("more than 2^29 triangles");
+  if (mesh.triangles.rows() >= std::int64_t{1} << 29) throw Error("the mesh has 2^29 triangles or more");
   std::vector<std::array<float, 3>> vertices(static_cast<std::size_t>(mesh.vertices.rows()));
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     for (std::size_t k = 0; k < 3; ++k) vertices[v][k] = static_cast<float>(mesh.vertices(v, k));
   }
+  const TreeGrid grid = make_grid(vertices);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(grid.at(axis, 32767))) throw Error("the extent of the mesh exceeds float32");
+  }
   const Bvh binary = build_bvh(mesh);
-  return Widener(binary, mesh, make_grid(vertices)).widen();
+  return Widener(binary, mesh, grid).widen();
 }
 
 void check_tree(const WideTreeView& tree, const MeshView& mesh, const std::string& place) {

@@ -72,7 +72,7 @@ class Run {
     while (static_cast<int>(bodies_.size()) < options_.bodies &&
            entries_.entry_step(static_cast<int>(bodies_.size())) <= step) {
       double top = 0;
-      for (const BodyState& body : bodies_) top = std::max(top, detector_.box(pose(mass_, body)).max().z());
+      for (const BodyState& body : bodies_) top = std::max(top, body.centre.z() + mass_.radius);
       bodies_.push_back(entries_.next(top));
       result_.statistics.energy_entered += mass_.mass * options_.gravity * bodies_.back().centre.z();
     }

@@ -100,6 +100,10 @@ void define(CLI::App& app, Arguments& a) {
         app.add_option("--drop-interval", a.tank.drop_interval, "Time from one body's entry to the next")
             ->capture_default_str()
             ->type_name("S"),
+        app.add_option("--floor-height", a.tank.floor_height,
+                       "bouncing: least mean kinetic energy of a body, as the height of a fall in radii")
+            ->capture_default_str()
+            ->type_name("H"),
         app.add_option("--poses", a.poses, "Write the trajectory")->type_name("FILE.csv"),
         app.add_option("--exact-checks", a.exact_checks, "Steps whose poses are checked exactly for interpenetration")
             ->check(at_least(std::int64_t{0}))

@@ -98,8 +98,9 @@ class PairContact {
 
 /// First contact of the surfaces of two moving bodies: boxes, body-frame trees,
 /// then PairContact, with the same result as PairContact over all pairs of
-/// triangles. No value: proven that the fine meshes do not touch (docs/guarantee.md). Says nothing of one body
-/// wholly inside the other. Requirements as PairContact. Re-entrant, never allocates.
+/// triangles. No value: proven that meshes that do not
+/// intersect at the start do not touch during the step (docs/guarantee.md); whether they do, separated() at rest tells.
+/// Says nothing of one body wholly inside the other. Requirements as PairContact. Re-entrant, never allocates.
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                                      const ContactOptions& options = {}) noexcept;
 

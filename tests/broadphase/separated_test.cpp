@@ -363,6 +363,21 @@ TEST(Separated, UnknownInteriorAnswersMaybeForWhatLiesInTheBox) {
   EXPECT_FALSE(ask(small_open, Pose::Identity(), find(all, "box"), Pose::Identity()).separated);
 }
 
+TEST(Separated, UnknownInteriorAnswersMaybeForWhatMovesIntoIt) {
+  const std::vector<Body> all = bodies();
+  const Body open(without_cages(find(all, "open box").sample));
+  const Body small(scaled(find(all, "star").sample, -2));
+  const auto drop = [&](double from, double to) {
+    return separated(*open.shape, Motion::resting(Pose::Identity()), *small.shape, {shift(0, 0, from), shift(0, 0, to)})
+        .separated;
+  };
+  // Through the opening, without touching: in, out, and through to where it still sticks out.
+  EXPECT_FALSE(drop(3, 0));
+  EXPECT_FALSE(drop(0, 3));
+  EXPECT_TRUE(drop(3, 0.9));
+  EXPECT_TRUE(drop(3, 1.6));
+}
+
 TEST(Separated, ClosedInNameOnlyAnswersLikeAnUnknownInterior) {
   const std::vector<Body> all = bodies();
   Sample s = without_cages(find(all, "open box").sample);

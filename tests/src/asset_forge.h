@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
@@ -90,7 +91,7 @@ class TemporaryFile {
   TemporaryFile() {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
     path_ = std::filesystem::path(::testing::TempDir()) /
-            (std::string("encage_") + test->test_suite_name() + "_" + test->name() + ".glb");
+            (std::string("encage_") + test->test_suite_name() + "_" + test->name() + "_" + std::to_string(::getpid()) + ".glb");
     std::filesystem::remove(path_);
   }
   ~TemporaryFile() { std::filesystem::remove(path_); }
