@@ -48,7 +48,7 @@ Exit status: 0 if all strategies found the same contacts and no bodies interpene
 input or usage.)";
 
 struct Arguments {
-  std::filesystem::path mesh, asset, replay, json, poses;
+  std::filesystem::path mesh, asset, replay, json, poses, snapshot;
   std::int64_t faces = default_octopus_faces;
   BakeOptions bake;
   std::string scene = "drop";
@@ -104,6 +104,8 @@ void define(CLI::App& app, Arguments& a) {
                        "bouncing: least mean kinetic energy of a body, as the height of a fall in radii")
             ->capture_default_str()
             ->type_name("H"),
+        app.add_option("--snapshot", a.snapshot, "Write the bodies in the end as one mesh, for encage render")
+            ->type_name("FILE.off"),
         app.add_option("--poses", a.poses, "Write the trajectory")->type_name("FILE.csv"),
         app.add_option("--exact-checks", a.exact_checks, "Steps whose poses are checked exactly for interpenetration")
             ->check(at_least(std::int64_t{0}))
@@ -140,6 +142,24 @@ TriangleMesh body_frame(const TriangleMesh& fine, const Eigen::Vector3d& origin)
   TriangleMesh mesh = fine;
   mesh.vertices.rowwise() += origin.transpose();
   return mesh;
+}
+
+/// All bodies of a step as one mesh, in the world; of their finest cage, which looks like them and is small.
+TriangleMesh snapshot(const CageHierarchy& hierarchy, const PoseStep& step) {
+  const TriangleMesh cage = body_frame(hierarchy.levels[0].mesh, hierarchy.origin);
+  const Eigen::Index vertices = cage.vertices.rows(), triangles = cage.triangles.rows();
+  const auto count = static_cast<Eigen::Index>(step.bodies.size());
+  TriangleMesh all;
+  all.vertices.resize(count * vertices, 3);
+  all.triangles.resize(count * triangles, 3);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Isometry3d& pose = step.bodies[static_cast<std::size_t>(i)].pose;
+    all.vertices.middleRows(i * vertices, vertices) =
+        (cage.vertices * pose.linear().transpose()).rowwise() + pose.translation().transpose();
+    all.triangles.middleRows(i * triangles, triangles) =
+        cage.triangles.array() + static_cast<std::int32_t>(i * vertices);
+  }
+  return all;
 }
 
 void simulate(const Arguments& a, const TankBody& body, tool::Progress& progress, Input& input) {
@@ -195,7 +215,7 @@ void print(const Arguments& a, const Input& input, const std::optional<Measureme
 
 int run(Arguments& a) {
   const tool::InterruptScope scope;
-  for (const auto& file : {a.json, a.poses}) {
+  for (const auto& file : {a.json, a.poses, a.snapshot}) {
     for (const auto& read : {a.mesh, a.asset, a.replay}) {
       if (!file.empty()) tool::check_output(file, read);
     }
@@ -228,6 +248,7 @@ int run(Arguments& a) {
     measured = measure(body, input.recording, a.measure);
   }
   if (!a.poses.empty()) write_poses(a.poses, input.simulation->poses);
+  if (!a.snapshot.empty()) write_mesh(a.snapshot, snapshot(input.hierarchy, input.simulation->poses.back()));
   if (!a.json.empty()) tool::write_json(a.json, to_json(a, input, measured));
   print(a, input, measured);
   if (!std::cout.flush()) throw Error("standard output: cannot write");
