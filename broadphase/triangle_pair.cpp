@@ -107,22 +107,8 @@ bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) no
   return any_axis(a, b, [&](const Vector& n) { return axis_separates(n, a, b, distance); });
 }
 
-bool boxes_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept {
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low_a = std::min({a[0][axis], a[1][axis], a[2][axis]});
-    const double high_a = std::max({a[0][axis], a[1][axis], a[2][axis]});
-    const double low_b = std::min({b[0][axis], b[1][axis], b[2][axis]});
-    const double high_b = std::max({b[0][axis], b[1][axis], b[2][axis]});
-    if (low_b - high_a > distance || low_a - high_b > distance) return true;
-  }
-  return false;
-}
-
 bool quickly_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept {
   const Piece piece{a, b, distance};
-  for (int axis = 0; axis < 3; ++axis) {
-    if (piece.separated_by(Vector::Unit(axis))) return true;
-  }
   const TriangleD middle_a = middle(a), middle_b = middle(b);
   if (piece.separated_by(middle_b[0] + middle_b[1] + middle_b[2] - (middle_a[0] + middle_a[1] + middle_a[2]))) {
     return true;

@@ -23,11 +23,8 @@ struct MovingTriangle {
 /// edges, or edge ends, their direction is among them. Degenerate triangles are allowed.
 bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept;
 
-/// True only if a coordinate axis separates the triangles by more than `distance`.
-bool boxes_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept;
-
-/// Quick and one-sided: true only if the triangles stay farther apart than `distance` while they move, by an axis
-/// of the world or one of few that suit the middle of the motion.
+/// Quick and one-sided: true only if the triangles stay farther apart than `distance` while they move, by one of
+/// few axes that suit the middle of the motion.
 bool quickly_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept;
 
 /// True only if the triangles stay farther apart than `distance` > 0 while they
