@@ -80,8 +80,8 @@ Meeting meet_edges(const MovingPoints& points, double t) {
           (1 - s) * moved(0) + s * moved(1) - ((1 - r) * moved(2) + r * moved(3)), (p1 - p0).cross(q1 - q0)};
 }
 
-/// Unit normal from b towards a. `rounding`: what the places of the features are off by at most.
-Vector orient(const Meeting& meeting, double margin, double rounding) {
+/// Unit normal from b towards a.
+Vector orient(const Meeting& meeting, double margin) {
   const Vector apart = meeting.on_a - meeting.on_b;
   // Across a margin the closest points show the direction; in contact their difference is rounding.
   if (margin > 0 && apart.norm() > 0.5 * margin) return apart.normalized();
@@ -90,10 +90,10 @@ Vector orient(const Meeting& meeting, double margin, double rounding) {
   if (!(n.squaredNorm() > 1e-280)) n = apart;
   if (!(n.squaredNorm() > 1e-280)) return Vector::UnitZ();
   n.normalize();
-  // On which side a is shows while a gap is left; in contact, where it comes from.
-  const double gap = n.dot(apart), along = n.dot(meeting.path);
-  const bool flip = std::abs(gap) > rounding ? gap < 0 : along > 0;
-  return flip ? Vector(-n) : n;
+  // a comes from the side that it moves away from. (The side on which it still is says less: features may pass beside
+  // each other.)
+  const double along = n.dot(meeting.path);
+  return along > 0 || (along == 0 && n.dot(apart) < 0) ? Vector(-n) : n;
 }
 
 }  // namespace
@@ -170,8 +170,7 @@ void PairContact::consider(ContactKind kind, const MovingPoints& points,
   const auto origin = [&](const Eigen::Isometry3d& pose) -> Vector { return pose * a_.origin; };
   contact.point = motion_a_.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
                   ((1 - *time) * origin(motion_a_.start) + *time * origin(motion_a_.end));
-  contact.normal =
-      (motion_a_.start.linear() * orient(meeting, options_.margin, 16 * (required_ - options_.margin))).normalized();
+  contact.normal = (motion_a_.start.linear() * orient(meeting, options_.margin)).normalized();
   first_ = contact;
 }
 
