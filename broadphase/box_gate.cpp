@@ -267,9 +267,8 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
                         const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
   BoxGate::Side side{};
   // Local coordinates are middle + step * stored place.
-  const Vector step = as_vector(body.grid.step), middle = as_vector(body.grid.origin) + 32768 * step;
-  const Vector other_step = as_vector(other.grid.step);
-  const Vector other_middle = as_vector(other.grid.origin) + 32768 * other_step;
+  const Vector step = as_vector(body.grid.step), middle = as_vector(body.grid.middle);
+  const Vector other_step = as_vector(other.grid.step), other_middle = as_vector(other.grid.middle);
   std::array<AffineMap, 2> relative;
   double stretch = 1, offset = 0;
   bool finite = true;  // NaN would not survive the maxima

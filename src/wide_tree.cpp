@@ -22,23 +22,22 @@ double half_area(const BvhNode& node) {
   return x * y + y * z + z * x;
 }
 
+/// Of a coordinate, before rounding to a place.
+double exact_place(const TreeGrid& grid, int axis, float x) {
+  return (static_cast<double>(x) - static_cast<double>(grid.middle[axis])) / static_cast<double>(grid.step[axis]);
+}
+
 /// The last place that is not above x, and the first that is not below.
 std::int16_t place_below(const TreeGrid& grid, int axis, float x) {
-  const double place = std::floor((static_cast<double>(x) - static_cast<double>(grid.origin[axis])) /
-                                  static_cast<double>(grid.step[axis])) -
-                       32768;
-  auto result = static_cast<std::int16_t>(std::clamp(place, -32768.0, 32767.0));
-  while (grid.at(axis, result) > x && result > -32768) --result;
-  return result;
+  auto place = static_cast<std::int16_t>(std::clamp(std::floor(exact_place(grid, axis, x)), -32768.0, 32767.0));
+  while (grid.at(axis, place) > x && place > -32768) --place;
+  return place;
 }
 
 std::int16_t place_above(const TreeGrid& grid, int axis, float x) {
-  const double place = std::ceil((static_cast<double>(x) - static_cast<double>(grid.origin[axis])) /
-                                 static_cast<double>(grid.step[axis])) -
-                       32768;
-  auto result = static_cast<std::int16_t>(std::clamp(place, -32768.0, 32767.0));
-  while (grid.at(axis, result) < x && result < 32767) ++result;
-  return result;
+  auto place = static_cast<std::int16_t>(std::clamp(std::ceil(exact_place(grid, axis, x)), -32768.0, 32767.0));
+  while (grid.at(axis, place) < x && place < 32767) ++place;
+  return place;
 }
 
 /// Joins the nodes of a binary tree to wide ones.
@@ -226,12 +225,13 @@ TreeGrid make_grid(std::span<const std::array<float, 3>> vertices) {
       low = std::min(low, vertex[axis]);
       high = std::max(high, vertex[axis]);
     }
+    const double middle = 0.5 * (static_cast<double>(low) + static_cast<double>(high));
+    const double half = 0.5 * (static_cast<double>(high) - static_cast<double>(low));
     // A little more than the extent, and never so little that places would round to the same number.
-    const double extent = static_cast<double>(high) - static_cast<double>(low);
     const double largest = std::max(std::abs(static_cast<double>(low)), std::abs(static_cast<double>(high)));
     const double step = std::max(
-        {extent / 65535 * (1 + 0x1p-20), largest * 0x1p-21, static_cast<double>(std::numeric_limits<float>::min())});
-    grid.origin[axis] = low;
+        {half / 32766 * (1 + 0x1p-20), largest * 0x1p-21, static_cast<double>(std::numeric_limits<float>::min())});
+    grid.middle[axis] = static_cast<float>(middle);
     grid.step[axis] = static_cast<float>(step);
   }
   return grid;
@@ -244,9 +244,6 @@ WideTree build_wide_tree(const TriangleMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k) vertices[v][k] = static_cast<float>(mesh.vertices(v, k));
   }
   const TreeGrid grid = make_grid(vertices);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!std::isfinite(grid.at(axis, 32767))) throw Error("the extent of the mesh exceeds float32");
-  }
   const Bvh binary = build_bvh(mesh);
   return Widener(binary, mesh, grid).widen();
 }

@@ -16,12 +16,10 @@ namespace encage {
 
 /// Places along the axes that boxes of a tree are rounded outward to: 2^16 of them over the mesh.
 struct TreeGrid {
-  std::array<float, 3> origin = {};
+  std::array<float, 3> middle = {};
   std::array<float, 3> step = {};  ///< > 0; at() increases strictly
 
-  float at(int axis, std::int16_t place) const {
-    return origin[axis] + (static_cast<float>(place) + 32768.0F) * step[axis];
-  }
+  float at(int axis, std::int16_t place) const { return middle[axis] + static_cast<float>(place) * step[axis]; }
 };
 
 /// Covers the vertices; the same for the same vertices on every machine.
