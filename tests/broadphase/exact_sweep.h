@@ -24,6 +24,9 @@ MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, 
 /// First time in [0, 1] at which the surfaces have a point in common, 0 if they have at the start.
 std::optional<TimeBounds> exact_first_contact(const MovingMesh& a, const MovingMesh& b);
 
+/// Whether they have one: less work than its time.
+bool exact_contact(const MovingMesh& a, const MovingMesh& b);
+
 /// First time at which they are at most `distance` + arc * 4 t (1 - t) apart, with the
 /// meaning and the limits of the function of the same name for features.
 std::optional<double> first_within(const MovingMesh& a, const MovingMesh& b, double distance, double arc,

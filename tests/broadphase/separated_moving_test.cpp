@@ -43,38 +43,49 @@ void place(const Body& body, Motion& motion, const Vector& where) {
 
 double speed(const MovingMesh& mesh) { return (mesh.end - mesh.start).rowwise().norm().maxCoeff(); }
 
-std::vector<RealTriangle> at_time(const MovingMesh& mesh, Real t) {
-  std::vector<RealTriangle> triangles;
-  for (std::int64_t i = 0; i < mesh.triangles.rows(); ++i) {
-    RealTriangle triangle;
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t v = mesh.triangles(i, k);
-      triangle[k] = (1 - t) * mesh.start.row(v).transpose().cast<Real>() + t * mesh.end.row(v).transpose().cast<Real>();
-    }
-    triangles.push_back(triangle);
+MovingMesh one_triangle(const MovingMesh& mesh, std::int64_t t) {
+  MovingMesh one{Vertices(3, 3), Vertices(3, 3), Triangles(1, 3)};
+  for (int k = 0; k < 3; ++k) {
+    one.start.row(k) = mesh.start.row(mesh.triangles(t, k));
+    one.end.row(k) = mesh.end.row(mesh.triangles(t, k));
+    one.triangles(0, k) = k;
   }
-  return triangles;
+  return one;
 }
 
-Real distance_at(const MovingMesh& a, const MovingMesh& b, Real t) {
-  const std::vector<RealTriangle> ta = at_time(a, t), tb = at_time(b, t);
-  Real least = std::numeric_limits<Real>::infinity();
-  for (const RealTriangle& p : ta) {
-    for (const RealTriangle& q : tb) {
-      if (distance_bound(p, q) < least) least = std::min(least, triangle_distance(p, q));
-    }
+RealTriangle at_time(const MovingMesh& one, Real t) {
+  RealTriangle triangle;
+  for (int k = 0; k < 3; ++k) {
+    triangle[k] = (1 - t) * one.start.row(k).transpose().cast<Real>() + t * one.end.row(k).transpose().cast<Real>();
   }
-  return least;
+  return triangle;
+}
+
+Eigen::AlignedBox3d swept_box(const MovingMesh& one) {
+  Eigen::AlignedBox3d box;
+  for (int k = 0; k < 3; ++k) box.extend(one.start.row(k).transpose()).extend(one.end.row(k).transpose());
+  return box;
 }
 
 /// Whether surfaces that never touch come as close as `distance` > 0. True only if they do. Seen for certain if they
-/// come closer by 2^-13 of the way they go; what is shallower by a search for the least distance.
+/// come closer by 2^-13 of the way they go; what is shallower by a search for the least distance of triangles.
 bool come_within(const MovingMesh& a, const MovingMesh& b, double distance) {
-  constexpr double coarse = 0x1p-8, fine = 0x1p-14;
+  constexpr double coarse = 0x1p-11, fine = 0x1p-14;
   if (!first_within(a, b, distance, 0, coarse)) return false;
   const double certain = distance - 2 * fine * (speed(a) + speed(b));
   if (certain > 0 && first_within(a, b, certain, 0, fine)) return true;
-  return least_value([&](Real t) { return distance_at(a, b, t); }) <= distance;
+  std::vector<MovingMesh> triangles_b;
+  for (std::int64_t j = 0; j < b.triangles.rows(); ++j) triangles_b.push_back(one_triangle(b, j));
+  for (std::int64_t i = 0; i < a.triangles.rows(); ++i) {
+    const MovingMesh p = one_triangle(a, i);
+    const Eigen::AlignedBox3d box = swept_box(p);
+    for (const MovingMesh& q : triangles_b) {
+      if (box.exteriorDistance(swept_box(q)) > distance || !first_within(p, q, distance, 0, coarse)) continue;
+      const auto at = [&](Real t) { return triangle_distance(at_time(p, t), at_time(q, t)); };
+      if (least_value(at) <= distance) return true;
+    }
+  }
+  return false;
 }
 
 bool contained_at_start(const Scene& scene) {
@@ -96,9 +107,15 @@ class Twin {
         b_(moving_mesh(scene.b.sample.hierarchy.origin, scene.b.sample.source, scene.motion_b)) {}
 
   Truth truth() const {
-    if (exact_first_contact(a_, b_)) return Truth::contact;
-    if (contained_at_start(scene_)) return Truth::contained;
+    const Truth truth = touch();
+    if (truth != Truth::apart) return truth;
     return scene_.margin > 0 && come_within(a_, b_, scene_.margin) ? Truth::within_margin : Truth::apart;
+  }
+
+  /// The same for a margin of 0.
+  Truth touch() const {
+    if (exact_contact(a_, b_)) return Truth::contact;
+    return contained_at_start(scene_) ? Truth::contained : Truth::apart;
   }
 
   /// Proven farther apart than the margin and `more` during the whole step.
@@ -177,8 +194,9 @@ class MovingTwinTest {
 
   /// The same motion of both, but for rounding: what touches or is contained does so throughout.
   void share_motion(Scene& scene) {
-    const Pose both = scene.motion_a.end * scene.motion_a.start.inverse();
-    scene.motion_b.end = both * scene.motion_b.start;
+    // With the inverse of an affine map: a pose's own would double what it is off from rigid.
+    const Eigen::Affine3d both = Eigen::Affine3d(scene.motion_a.end) * Eigen::Affine3d(scene.motion_a.start).inverse();
+    scene.motion_b.end.matrix() = (both * Eigen::Affine3d(scene.motion_b.start)).matrix();
   }
 
   /// On a line, close to where the answer changes: grazing contact, at any time of the step.
@@ -228,10 +246,7 @@ class MovingTwinTest {
 
   void count(const Scene& scene, bool separated) {
     ++asked;
-    if (!separated) {
-      const Truth truth = Twin(scene).truth();
-      contacts += truth == Truth::contact || truth == Truth::contained;
-    }
+    if (!separated) contacts += Twin(scene).touch() != Truth::apart;
     // Rate of rejects, where the fine meshes are there and both interiors known.
     if (!scene.a.solid() || !scene.b.solid() || !scene.a.has_fine() || !scene.b.has_fine()) return;
     if (!Twin(scene).farther(0.01 * std::max(scene.a.diagonal(), scene.b.diagonal()))) return;
@@ -248,7 +263,7 @@ constexpr int shards = 4;
 class SeparatedMoving : public testing::TestWithParam<int> {};
 
 TEST_P(SeparatedMoving, NeverMissesAContactOfBruteForce) {
-  const int pairs = number_from("ENCAGE_TWIN_PAIRS", 20'000) / shards;
+  const int pairs = number_from("ENCAGE_TWIN_PAIRS", 4'000) / shards;
   MovingTwinTest twin(static_cast<unsigned>(number_from("ENCAGE_TWIN_SEED", 1) * shards + GetParam()));
   twin.run(pairs);
   RecordProperty("rejected", twin.rejected);
