@@ -108,7 +108,7 @@ bool surely_free(Features kind, const MovingPoints& points) {
     start.push_back(s);
     end.push_back(e);
   }
-  return surely_free(start, end, 7);
+  return surely_free(start, end, 14);
 }
 
 // ---- Algebraic times.

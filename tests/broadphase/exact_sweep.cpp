@@ -120,6 +120,15 @@ bool meet_at_start(const MovingMesh& a, const MovingMesh& b, const std::vector<s
   });
 }
 
+/// Whether triangles meet at the start, or the question is answered by yes for some features that come close.
+template <class Question>
+bool any_features(const MovingMesh& a, const MovingMesh& b, double distance, Question&& question) {
+  const auto pairs = close_triangles(a, b, distance);
+  if (meet_at_start(a, b, pairs)) return true;
+  const std::vector<FeaturePair> all = features(a, b, pairs);
+  return std::any_of(all.begin(), all.end(), question);
+}
+
 }  // namespace
 
 MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Motion& motion) {
@@ -147,11 +156,14 @@ std::optional<TimeBounds> exact_first_contact(const MovingMesh& a, const MovingM
 }
 
 bool exact_contact(const MovingMesh& a, const MovingMesh& b) {
-  const auto pairs = close_triangles(a, b, 0);
-  if (meet_at_start(a, b, pairs)) return true;
-  const std::vector<FeaturePair> all = features(a, b, pairs);
-  return std::any_of(all.begin(), all.end(), [&](const FeaturePair& pair) {
+  return any_features(a, b, 0, [&](const FeaturePair& pair) {
     return exact_first_contact(kind_of(pair), points_of(pair, a, b)).has_value();
+  });
+}
+
+bool come_within(const MovingMesh& a, const MovingMesh& b, double distance, double resolution) {
+  return any_features(a, b, distance, [&](const FeaturePair& pair) {
+    return first_within(kind_of(pair), points_of(pair, a, b), distance, 0, resolution).has_value();
   });
 }
 

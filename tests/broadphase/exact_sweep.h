@@ -32,4 +32,7 @@ bool exact_contact(const MovingMesh& a, const MovingMesh& b);
 std::optional<double> first_within(const MovingMesh& a, const MovingMesh& b, double distance, double arc,
                                    double resolution);
 
+/// Whether there is one, for an arc of 0: less work than its time.
+bool come_within(const MovingMesh& a, const MovingMesh& b, double distance, double resolution);
+
 }  // namespace encage::test

@@ -148,9 +148,13 @@ class TwinTest {
   std::vector<Body> bodies_;
 };
 
-TEST(Separated, NeverMissesAContactOfBruteForce) {
-  const int pairs = number_from("ENCAGE_TWIN_PAIRS", 20'000);
-  TwinTest twin(static_cast<unsigned>(number_from("ENCAGE_TWIN_SEED", 1)));
+constexpr int shards = 4;
+
+class SeparatedResting : public testing::TestWithParam<int> {};
+
+TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
+  const int pairs = number_from("ENCAGE_TWIN_PAIRS", 80'000) / shards;
+  TwinTest twin(static_cast<unsigned>(number_from("ENCAGE_TWIN_SEED", 1) * shards + GetParam()));
   twin.run(pairs);
   RecordProperty("rejected", twin.rejected);
   RecordProperty("asked", twin.asked);
@@ -163,6 +167,8 @@ TEST(Separated, NeverMissesAContactOfBruteForce) {
   EXPECT_GT(twin.far, twin.asked / 20);
   EXPECT_LE(twin.far_kept, twin.far / 100);
 }
+
+INSTANTIATE_TEST_SUITE_P(Shards, SeparatedResting, testing::Range(0, shards));
 
 TEST(Separated, SampleCagesNest) {
   std::vector<Sample> all = sample_shapes(1e-4);
