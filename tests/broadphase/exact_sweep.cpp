@@ -67,18 +67,6 @@ Corners corners_at_start(const MovingMesh& mesh, std::int64_t t) {
   return corners;
 }
 
-/// Pairs of triangles whose swept boxes are at most `distance` apart in some span.
-std::vector<std::array<std::int64_t, 2>> close_triangles(const MovingMesh& a, const MovingMesh& b, double distance) {
-  const std::vector<BoxTrack> boxes_a = box_tracks(a), boxes_b = box_tracks(b);
-  std::vector<std::array<std::int64_t, 2>> pairs;
-  for (std::int64_t i = 0; i < a.triangles.rows(); ++i) {
-    for (std::int64_t j = 0; j < b.triangles.rows(); ++j) {
-      if (!farther(boxes_a[i], boxes_b[j], distance, 0, spans)) pairs.push_back({i, j});
-    }
-  }
-  return pairs;
-}
-
 std::vector<FeaturePair> features(const MovingMesh& a, const MovingMesh& b,
                                   const std::vector<std::array<std::int64_t, 2>>& pairs) {
   std::vector<FeaturePair> all;
@@ -130,6 +118,17 @@ bool any_features(const MovingMesh& a, const MovingMesh& b, double distance, Que
 }
 
 }  // namespace
+
+std::vector<std::array<std::int64_t, 2>> close_triangles(const MovingMesh& a, const MovingMesh& b, double distance) {
+  const std::vector<BoxTrack> boxes_a = box_tracks(a), boxes_b = box_tracks(b);
+  std::vector<std::array<std::int64_t, 2>> pairs;
+  for (std::int64_t i = 0; i < a.triangles.rows(); ++i) {
+    for (std::int64_t j = 0; j < b.triangles.rows(); ++j) {
+      if (!farther(boxes_a[i], boxes_b[j], distance, 0, spans)) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
 
 MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Motion& motion) {
   const auto placed = [&](const Eigen::Isometry3d& pose) {

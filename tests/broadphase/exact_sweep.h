@@ -8,7 +8,10 @@
 #include <encage/broadphase.h>
 #include <encage/mesh.h>
 
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace encage::test {
 
@@ -20,6 +23,9 @@ struct MovingMesh {
 
 /// A mesh on a body's motion: every vertex the image of origin + vertex, rounded (1e-15 of its size).
 MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Motion& motion);
+
+/// Pairs of triangles whose boxes are at most `distance` apart in some 32nd of the step.
+std::vector<std::array<std::int64_t, 2>> close_triangles(const MovingMesh& a, const MovingMesh& b, double distance);
 
 /// First time in [0, 1] at which the surfaces have a point in common, 0 if they have at the start.
 std::optional<TimeBounds> exact_first_contact(const MovingMesh& a, const MovingMesh& b);
