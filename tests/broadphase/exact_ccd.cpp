@@ -57,8 +57,37 @@ bool off_plane(const IntervalPolygon& p, const IntervalPolygon& q) {
          std::all_of(b.begin(), b.end(), [](const Interval& x) { return x.sup() < 0; });
 }
 
+/// The point nearest to the origin, about: rounding only makes the axis of beyond_axis() a worse one.
+Eigen::Vector3d nearest_point(const std::vector<Eigen::Vector3d>& p) {
+  const Eigen::Vector3d n = (p[1] - p[0]).cross(p[2] - p[1]);
+  bool inside = n.squaredNorm() > 0;
+  Eigen::Vector3d nearest = p[0];
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const Eigen::Vector3d &a = p[i], &b = p[(i + 1) % p.size()], u = b - a;
+    const double squared = u.squaredNorm();
+    const Eigen::Vector3d q = a + (squared > 0 ? std::clamp(-a.dot(u) / squared, 0.0, 1.0) : 0.0) * u;
+    if (q.squaredNorm() < nearest.squaredNorm()) nearest = q;
+    inside = inside && n.dot(a.cross(b)) >= 0;
+  }
+  return inside ? (n.dot(p[0]) / n.squaredNorm() * n).eval() : nearest;
+}
+
+/// All corners are in front of the origin at both ends, along the direction that the polygon is in half-way.
+bool beyond_axis(const IntervalPolygon& start, const IntervalPolygon& end) {
+  std::vector<Eigen::Vector3d> middle(start.size());
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    for (int k = 0; k < 3; ++k) middle[i][k] = 0.5 * (start[i][k].inf() + end[i][k].inf());
+  }
+  const Eigen::Vector3d axis = nearest_point(middle);
+  const auto in_front = [&](const IntervalPoint& p) {
+    return (p[0] * Interval(axis[0]) + p[1] * Interval(axis[1]) + p[2] * Interval(axis[2])).inf() > 0;
+  };
+  return axis.allFinite() && std::all_of(start.begin(), start.end(), in_front) &&
+         std::all_of(end.begin(), end.end(), in_front);
+}
+
 bool surely_free(const IntervalPolygon& start, const IntervalPolygon& end, int depth) {
-  if (one_side(start, end) || off_plane(start, end)) return true;
+  if (one_side(start, end) || beyond_axis(start, end) || off_plane(start, end)) return true;
   if (depth == 0) return false;
   IntervalPolygon middle = start;
   for (std::size_t i = 0; i < start.size(); ++i) {
@@ -79,7 +108,7 @@ bool surely_free(Features kind, const MovingPoints& points) {
     start.push_back(s);
     end.push_back(e);
   }
-  return surely_free(start, end, 7);
+  return surely_free(start, end, 14);
 }
 
 // ---- Algebraic times.

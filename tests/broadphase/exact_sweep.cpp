@@ -21,21 +21,39 @@ struct FeaturePair {
   auto operator<=>(const FeaturePair&) const = default;
 };
 
-std::vector<Box> swept_boxes(const MovingMesh& mesh) {
-  std::vector<Box> boxes(mesh.triangles.rows());
-  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
-    for (const std::int32_t v : mesh.triangles.row(t)) {
-      boxes[t].extend(mesh.start.row(v).transpose());
-      boxes[t].extend(mesh.end.row(v).transpose());
+constexpr int spans = 32;  // of a step: a power of two
+
+/// A triangle's boxes at the ends of the spans.
+using BoxTrack = std::array<Box, spans + 1>;
+
+std::vector<BoxTrack> box_tracks(const MovingMesh& mesh) {
+  std::vector<BoxTrack> tracks(mesh.triangles.rows());
+  for (int i = 0; i <= spans; ++i) {
+    const double t = static_cast<double>(i) / spans;
+    for (std::int64_t f = 0; f < mesh.triangles.rows(); ++f) {
+      for (const std::int32_t v : mesh.triangles.row(f)) {
+        tracks[f][i].extend(((1 - t) * mesh.start.row(v) + t * mesh.end.row(v)).transpose());
+      }
     }
   }
-  return boxes;
+  return tracks;
 }
 
-bool farther(const Box& a, const Box& b, double distance) {
+/// `rounded`: the boxes' bounds are off by some units in the last place.
+bool farther(const Box& a, const Box& b, double distance, bool rounded) {
   const Eigen::Array3d size = a.min().array().abs() + a.max().array().abs() + b.min().array().abs();
-  const Eigen::Array3d reach = distance > 0 ? (distance + 1e-14 * (size + distance)).eval() : Eigen::Array3d::Zero();
+  const Eigen::Array3d reach =
+      distance > 0 || rounded ? (distance + 1e-14 * (size + distance)).eval() : Eigen::Array3d::Zero();
   return ((a.max().array() + reach < b.min().array()) || (b.max().array() + reach < a.min().array())).any();
+}
+
+/// Boxes between two ends are within the box of both, as vertices move linearly.
+bool farther(const BoxTrack& a, const BoxTrack& b, double distance, int from, int to) {
+  const bool rounded = from > 0 || to < spans;
+  if (farther(a[from].merged(a[to]), b[from].merged(b[to]), distance, rounded)) return true;
+  if (to - from == 1) return false;
+  const int middle = (from + to) / 2;
+  return farther(a, b, distance, from, middle) && farther(a, b, distance, middle, to);
 }
 
 std::array<std::int32_t, 2> edge(const Triangles& triangles, std::int64_t t, int k) {
@@ -47,18 +65,6 @@ Corners corners_at_start(const MovingMesh& mesh, std::int64_t t) {
   Corners corners;
   for (int k = 0; k < 3; ++k) corners[k] = mesh.start.row(mesh.triangles(t, k)).transpose();
   return corners;
-}
-
-/// Pairs of triangles whose swept boxes are at most `distance` apart.
-std::vector<std::array<std::int64_t, 2>> close_triangles(const MovingMesh& a, const MovingMesh& b, double distance) {
-  const std::vector<Box> boxes_a = swept_boxes(a), boxes_b = swept_boxes(b);
-  std::vector<std::array<std::int64_t, 2>> pairs;
-  for (std::int64_t i = 0; i < a.triangles.rows(); ++i) {
-    for (std::int64_t j = 0; j < b.triangles.rows(); ++j) {
-      if (!farther(boxes_a[i], boxes_b[j], distance)) pairs.push_back({i, j});
-    }
-  }
-  return pairs;
 }
 
 std::vector<FeaturePair> features(const MovingMesh& a, const MovingMesh& b,
@@ -102,7 +108,27 @@ bool meet_at_start(const MovingMesh& a, const MovingMesh& b, const std::vector<s
   });
 }
 
+/// Whether triangles meet at the start, or the question is answered by yes for some features that come close.
+template <class Question>
+bool any_features(const MovingMesh& a, const MovingMesh& b, double distance, Question&& question) {
+  const auto pairs = close_triangles(a, b, distance);
+  if (meet_at_start(a, b, pairs)) return true;
+  const std::vector<FeaturePair> all = features(a, b, pairs);
+  return std::any_of(all.begin(), all.end(), question);
+}
+
 }  // namespace
+
+std::vector<std::array<std::int64_t, 2>> close_triangles(const MovingMesh& a, const MovingMesh& b, double distance) {
+  const std::vector<BoxTrack> boxes_a = box_tracks(a), boxes_b = box_tracks(b);
+  std::vector<std::array<std::int64_t, 2>> pairs;
+  for (std::int64_t i = 0; i < a.triangles.rows(); ++i) {
+    for (std::int64_t j = 0; j < b.triangles.rows(); ++j) {
+      if (!farther(boxes_a[i], boxes_b[j], distance, 0, spans)) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
 
 MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Motion& motion) {
   const auto placed = [&](const Eigen::Isometry3d& pose) {
@@ -126,6 +152,18 @@ std::optional<TimeBounds> exact_first_contact(const MovingMesh& a, const MovingM
     first = TimeBounds{std::min(first->low, time->low), std::min(first->high, time->high)};
   }
   return first;
+}
+
+bool exact_contact(const MovingMesh& a, const MovingMesh& b) {
+  return any_features(a, b, 0, [&](const FeaturePair& pair) {
+    return exact_first_contact(kind_of(pair), points_of(pair, a, b)).has_value();
+  });
+}
+
+bool come_within(const MovingMesh& a, const MovingMesh& b, double distance, double resolution) {
+  return any_features(a, b, distance, [&](const FeaturePair& pair) {
+    return first_within(kind_of(pair), points_of(pair, a, b), distance, 0, resolution).has_value();
+  });
 }
 
 std::optional<double> first_within(const MovingMesh& a, const MovingMesh& b, double distance, double arc,

@@ -65,6 +65,8 @@ TEST(ExactSweep, AgreesWithExactTestsAtSingleTimes) {
     }
     const std::optional<double> close = first_within(a, b, 1e-12, 0, 0x1p-24);
     EXPECT_EQ(first.has_value(), close.has_value()) << "pair " << i;
+    EXPECT_EQ(first.has_value(), exact_contact(a, b)) << "pair " << i;
+    EXPECT_EQ(close.has_value(), come_within(a, b, 1e-12, 0x1p-24)) << "pair " << i;
     if (first && close) {
       EXPECT_LE(*close, first->high) << "pair " << i;
       EXPECT_NEAR(*close, first->low, 1e-3) << "pair " << i;

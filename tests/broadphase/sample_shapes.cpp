@@ -186,6 +186,13 @@ std::vector<Sample> sample_shapes(double jitter) {
   };
 }
 
+std::vector<Sample> large_sample_shapes(double jitter) {
+  return {
+      sample("sphere", shapes::sphere(4), {resized(shapes::sphere(2), 1.1), cube(1.3)}, jitter),
+      sample("fine torus", torus(1, 0.35, 32, 16), {torus(1, 0.4, 32, 16), torus(1, 0.6, 16, 4)}, jitter),
+  };
+}
+
 Sample scaled(const Sample& sample, int exponent) {
   Sample s = sample;
   const double factor = std::ldexp(1.0, exponent);

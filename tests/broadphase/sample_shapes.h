@@ -20,6 +20,9 @@ struct Sample {
 /// away from their fine vertices, by as much as hierarchy.fine_error says.
 std::vector<Sample> sample_shapes(double jitter);
 
+/// Of the same kind with 1,000 to 2,048 triangles.
+std::vector<Sample> large_sample_shapes(double jitter);
+
 /// The same sample in another unit: 2^exponent, so that float32 stays exact.
 Sample scaled(const Sample& sample, int exponent);
 

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/broadphase/exact_pair.h"
-#include "tests/broadphase/sample_shapes.h"
+#include "tests/broadphase/twin_bodies.h"
 
 #include <encage/broadphase.h>
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <new>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -40,14 +38,6 @@ namespace {
 using Pose = Eigen::Isometry3d;
 using Vector = Eigen::Vector3d;
 
-struct Body {
-  Sample sample;
-  ShapePtr shape;
-
-  explicit Body(Sample s) : sample(std::move(s)), shape(make_shape(sample.hierarchy)) {}
-  double diagonal() const { return sample.hierarchy.diagonal; }
-};
-
 Verdict ask(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin = 0) {
   return separated(*a.shape, Motion::resting(pose_a), *b.shape, Motion::resting(pose_b), margin);
 }
@@ -73,37 +63,22 @@ std::vector<Body> bodies(double jitter = 0) {
 
 // ---- Against brute force -------------------------------------------------
 
-/// Every kind of body that the twin test mixes: with and without cages and fine
-/// mesh, with and without rounding of the fine mesh, large, small, far from 0.
-std::vector<Body> twin_bodies() {
-  std::vector<Body> all;
-  for (const double jitter : {0.0, 1e-4}) {
-    for (const Sample& s : sample_shapes(jitter)) {
-      all.emplace_back(s);
-      all.emplace_back(without_cages(s));
-      all.emplace_back(without_fine(s));
-      all.emplace_back(scaled(s, -3));
-      Sample moved = s;
-      moved.hierarchy.origin = Vector(10'000, -2'500.25, 0.375);
-      all.emplace_back(moved);
-    }
-  }
-  return all;
-}
-
+/// Random pairs in contact, near it and apart; the truth of what is rejected, and of every seventh pair.
 class TwinTest {
  public:
-  explicit TwinTest(unsigned seed) : random_(seed), bodies_(twin_bodies()) {}
+  explicit TwinTest(unsigned seed) : random_(seed), small_(twin_bodies()), large_(large_twin_bodies()) {}
 
   void run(int pairs) {
     for (int i = 0; i < pairs && !testing::Test::HasFailure(); ++i) {
-      const Body& a = bodies_[random_() % bodies_.size()];
-      const Body& b = bodies_[random_() % bodies_.size()];
-      const double margin = random_() % 3 != 0 ? 0 : std::pow(10.0, -uniform(0.5, 8)) * a.diagonal();
-      Pose pose_a = random_pose(), pose_b = random_pose();
-      const unsigned kind = random_() % 8;
+      // Every 80th pair has a large body, every 800th has two.
+      const Body& a = any(i % 800 == 0 ? large_ : small_);
+      const Body& b = any(i % 80 == 0 ? large_ : small_);
+      const double margin = random_.margin(a.diagonal());
+      Pose pose_a = random_.pose(), pose_b = random_.pose();
+      const unsigned kind = random_.below(8);
       if (kind < 2) {
-        place(b, pose_b, centre(a, pose_a) + direction() * uniform(0, 1.2) * (a.diagonal() + b.diagonal()) / 2);
+        place(b, pose_b,
+              a.centre(pose_a) + random_.direction() * random_.uniform(0, 1.2) * (a.diagonal() + b.diagonal()) / 2);
       } else if (kind < 7) {
         near_contact(a, pose_a, b, pose_b, margin);
       } else {
@@ -114,123 +89,96 @@ class TwinTest {
   }
 
   int rejected = 0;  ///< proven apart
+  int asked = 0;     ///< pairs of which the figures below tell
   int contacts = 0;  ///< truly closer than the margin or contained
   int far = 0;       ///< farther than margin + 1 % of the larger diagonal
   int far_kept = 0;  ///< of these, not proven apart
 
  private:
-  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-
-  Vector direction() {
-    Vector d;
-    do {
-      d = Vector(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
-    } while (d.norm() > 1 || d.norm() < 0.1);
-    return d.normalized();
+  const Body& any(const std::vector<Body>& bodies) {
+    return bodies[random_.below(static_cast<unsigned>(bodies.size()))];
   }
 
-  Pose random_pose() {
-    Pose pose = Pose::Identity();
-    pose.linear() = Eigen::AngleAxisd(uniform(0, 3.14), direction()).toRotationMatrix();
-    const double reach = std::array{1.0, 10.0, 10'000.0}[random_() % 3];
-    pose.translation() = Vector(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)) * reach;
-    // Drift as of poses integrated without care; up to 1e-9 is accepted.
-    if (random_() % 8 == 0) pose.linear() *= 1 + uniform(-2.5e-10, 2.5e-10);
-    return pose;
-  }
-
-  static Vector centre(const Body& body, const Pose& pose) { return pose * body.sample.hierarchy.origin; }
   static void place(const Body& body, Pose& pose, const Vector& where) {
-    pose.translation() += where - centre(body, pose);
+    pose.translation() += where - body.centre(pose);
   }
 
   // On a line, close to where the answer changes; on either side of it.
   void near_contact(const Body& a, const Pose& pose_a, const Body& b, Pose& pose_b, double margin) {
     const double size = (a.diagonal() + b.diagonal()) / 2;
-    const Vector start = centre(a, pose_a) + direction() * uniform(0, 0.3) * size;
-    const Vector d = direction();
-    double low = 0, high = uniform(0.2, 1.5) * size + margin;
+    const Vector start = a.centre(pose_a) + random_.direction() * random_.uniform(0, 0.3) * size;
+    const Vector d = random_.direction();
     const auto answer = [&](double t) {
       place(b, pose_b, start + d * t);
       return ask(a, pose_a, b, pose_b, margin).separated;
     };
-    const bool at_low = answer(low);
-    if (answer(high) == at_low) return;
-    for (int i = 0; i < 52; ++i) {
-      const double middle = 0.5 * (low + high);
-      (answer(middle) == at_low ? low : high) = middle;
-    }
-    const double step = random_() % 8 == 0 ? 0 : std::pow(10.0, -uniform(2, 16)) * size;
-    place(b, pose_b, start + d * (high + (random_() % 2 == 0 ? step : -step)));
+    random_.near_change(answer, random_.uniform(0.2, 1.5) * size + margin, size);
   }
 
   // Faces, edges and vertices that meet exactly, or miss by some units in the last place.
   void on_lattice(const Body& a, Pose& pose_a, const Body& b, Pose& pose_b) {
-    const auto quarter_turns = [&] {
-      Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
-      const Eigen::Matrix3d z = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
-      const Eigen::Matrix3d x = (Eigen::Matrix3d() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished();
-      for (unsigned i = random_() % 4; i > 0; --i) r = r * z;
-      for (unsigned i = random_() % 4; i > 0; --i) r = r * x;
-      return r;
-    };
-    pose_a.linear() = quarter_turns();
-    pose_b.linear() = quarter_turns();
-    Vector cell;
-    for (int k = 0; k < 3; ++k) cell[k] = 0.125 * std::floor(uniform(-20, 20));
-    place(b, pose_b, centre(a, pose_a) + cell);
-    if (random_() % 2 == 0) {
-      double& x = pose_b.translation()[random_() % 3];
-      for (unsigned i = random_() % 4; i > 0; --i) x = std::nextafter(x, random_() % 2 == 0 ? 1e300 : -1e300);
+    pose_a.linear() = random_.quarter_turns();
+    pose_b.linear() = random_.quarter_turns();
+    place(b, pose_b, a.centre(pose_a) + random_.lattice_point());
+    if (random_.below(2) == 0) {
+      double& x = pose_b.translation()[random_.below(3)];
+      for (unsigned i = random_.below(4); i > 0; --i) x = std::nextafter(x, random_.below(2) == 0 ? 1e300 : -1e300);
     }
   }
 
   void check(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin, int number) {
     const Verdict verdict = ask(a, pose_a, b, pose_b, margin);
+    rejected += verdict.separated;
+    if (!verdict.separated && number % 7 != 0) return;
     const ExactBody exact_a(a.sample.hierarchy.origin, a.sample.source, pose_a);
     const ExactBody exact_b(b.sample.hierarchy.origin, b.sample.source, pose_b);
-    const auto solid = [](const Body& body) { return body.sample.hierarchy.solid != Solid::surface_only; };
     const auto contained = [&] {
-      return (solid(a) && holds_component(exact_a, exact_b)) || (solid(b) && holds_component(exact_b, exact_a));
+      return (a.solid() && holds_component(exact_a, exact_b)) || (b.solid() && holds_component(exact_b, exact_a));
     };
     const bool contact = surfaces_meet(exact_a, exact_b, margin) || contained();
-    contacts += contact;
-    rejected += verdict.separated;
     EXPECT_FALSE(verdict.separated && contact)
         << "pair " << number << ": " << a.sample.name << " and " << b.sample.name << ", margin " << margin << ", stage "
         << static_cast<int>(verdict.stage) << ", level " << verdict.level;
+    if (number % 7 != 0) return;
+    ++asked;
+    contacts += contact;
     // Rate of rejects, where the fine meshes are there and both interiors known.
-    if (contact || !solid(a) || !solid(b)) return;
-    if (a.sample.hierarchy.fine.triangles.rows() == 0 || b.sample.hierarchy.fine.triangles.rows() == 0) return;
+    if (contact || !a.solid() || !b.solid() || !a.has_fine() || !b.has_fine()) return;
     if (surfaces_meet(exact_a, exact_b, margin + 0.01 * std::max(a.diagonal(), b.diagonal()))) return;
     ++far;
     far_kept += !verdict.separated;
   }
 
-  std::minstd_rand random_;
-  std::vector<Body> bodies_;
+  TwinRandom random_;
+  std::vector<Body> small_, large_;
 };
 
-TEST(Separated, NeverMissesAContactOfBruteForce) {
-  // ENCAGE_TWIN_PAIRS and ENCAGE_TWIN_SEED: longer runs by hand.
-  const char* count = std::getenv("ENCAGE_TWIN_PAIRS");
-  const char* seed = std::getenv("ENCAGE_TWIN_SEED");
-  const int pairs = count ? std::atoi(count) : 20'000;
-  TwinTest twin(seed ? static_cast<unsigned>(std::atoi(seed)) : 1);
+constexpr int shards = 4;
+
+class SeparatedResting : public testing::TestWithParam<int> {};
+
+TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
+  const int pairs = number_from("ENCAGE_TWIN_PAIRS", 88'000) / shards;
+  TwinTest twin(static_cast<unsigned>(number_from("ENCAGE_TWIN_SEED", 1) * shards + GetParam()));
   twin.run(pairs);
   RecordProperty("rejected", twin.rejected);
+  RecordProperty("asked", twin.asked);
   RecordProperty("contacts", twin.contacts);
   RecordProperty("far", twin.far);
   RecordProperty("far_kept", twin.far_kept);
   // The test attacks only if both answers are common.
-  EXPECT_GT(twin.contacts, pairs / 5);
+  EXPECT_GT(twin.contacts, twin.asked / 5);
   EXPECT_GT(twin.rejected, pairs / 5);
-  EXPECT_GT(twin.far, pairs / 20);
+  EXPECT_GT(twin.far, twin.asked / 20);
   EXPECT_LE(twin.far_kept, twin.far / 100);
 }
 
+INSTANTIATE_TEST_SUITE_P(Shards, SeparatedResting, testing::Range(0, shards));
+
 TEST(Separated, SampleCagesNest) {
-  for (const Sample& s : sample_shapes(1e-4)) {
+  std::vector<Sample> all = sample_shapes(1e-4);
+  for (Sample& s : large_sample_shapes(1e-4)) all.push_back(std::move(s));
+  for (const Sample& s : all) {
     const TriangleMesh* inner = &s.source;
     for (const CageLevel& level : s.hierarchy.levels) {
       EXPECT_GT(signed_volume(level.mesh), 0) << s.name;
