@@ -20,22 +20,40 @@ using Lanes = hn::CappedTag<float, WideNode::width>;     // boxes of a node
 using Axes = hn::CappedTag<float, BoxGate::axis_lanes>;  // axes of a gate
 using Coordinates = hn::CappedTag<float, 4>;             // x, y, z
 
+/// Boxes of a node as numbers.
+struct Places {
+  alignas(64) float lower[3][WideNode::width];
+  alignas(64) float upper[3][WideNode::width];
+
+  HWY_INLINE explicit Places(const WideNode& node) {
+    const Lanes d;
+    const hn::RebindToSigned<Lanes> di;
+    const hn::Rebind<std::int16_t, Lanes> d16;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t k = 0; k < WideNode::width; k += hn::Lanes(d)) {
+        hn::Store(hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, node.lower[axis] + k))), d, lower[axis] + k);
+        hn::Store(hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, node.upper[axis] + k))), d, upper[axis] + k);
+      }
+    }
+  }
+  Places() = default;
+};
+
 /// A box of a tree, in places of its grid, with what is below it.
 struct Box {
   std::array<float, 3> centre, half;
   float size;  ///< only to compare with the other tree's
   std::uint32_t link;
 
-  Box() = default;
-  Box(const WideTreeView& tree, const WideNode& node, int lane) : size(0), link(node.link[lane]) {
+  Box(const WideTreeView& tree, const Places& places, std::uint32_t below, int lane) : size(0), link(below) {
     for (int axis = 0; axis < 3; ++axis) {
-      const int lower = node.lower[axis][lane], upper = node.upper[axis][lane];
-      centre[axis] = 0.5F * static_cast<float>(lower + upper);
-      half[axis] = 0.5F * static_cast<float>(upper - lower);
+      centre[axis] = 0.5F * (places.lower[axis][lane] + places.upper[axis][lane]);
+      half[axis] = 0.5F * (places.upper[axis][lane] - places.lower[axis][lane]);
       const float extent = half[axis] * tree.grid.step[axis];
       size += extent * extent;
     }
   }
+  Box() = default;
   int count() const { return WideNode::count_of(link); }
   std::int32_t child() const { return WideNode::child_of(link); }
 };
@@ -68,18 +86,15 @@ HWY_INLINE void sweep(Tag d, const Directions& direction, const Directions& size
   }
 }
 
-/// Bits of the lanes of a node that are not apart along a coordinate; bounds in stored places.
-HWY_INLINE std::uint32_t lanes_within(const WideNode& node, const Bounds<4>& bounds) {
+/// Bits of the lanes that are not apart along a coordinate.
+HWY_INLINE std::uint32_t lanes_within(const Places& places, const Bounds<4>& bounds) {
   const Lanes d;
-  const hn::RebindToSigned<Lanes> di;
-  const hn::Rebind<std::int16_t, Lanes> d16;
-  const auto places = [&](const std::int16_t* p) { return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, p))); };
   std::uint32_t result = 0;
   for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
     auto apart = hn::FirstN(d, 0);
     for (int axis = 0; axis < 3; ++axis) {
-      apart = hn::Or(apart, hn::Gt(places(node.lower[axis] + first), hn::Set(d, bounds.high[axis])));
-      apart = hn::Or(apart, hn::Lt(places(node.upper[axis] + first), hn::Set(d, bounds.low[axis])));
+      apart = hn::Or(apart, hn::Gt(hn::Load(d, places.lower[axis] + first), hn::Set(d, bounds.high[axis])));
+      apart = hn::Or(apart, hn::Lt(hn::Load(d, places.upper[axis] + first), hn::Set(d, bounds.low[axis])));
     }
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::Not(apart), bits);
@@ -116,9 +131,10 @@ class Traversal {
 
   bool run() {
     const WideNode& root = b_.nodes[0];
+    const Places places(root);
     for (int lane = 0; lane < WideNode::width; ++lane) {
       if (root.count(lane) == WideNode::unused) continue;
-      tasks_[0] = {Box(b_, root, lane), &a_.nodes[0], true};
+      tasks_[0].set(Box(b_, places, root.link[lane], lane), a_.nodes[0], true);
       open(1);
     }
     while (size_ > 0) {
@@ -132,8 +148,8 @@ class Traversal {
           continue;
         }
         const bool open_a = count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size);
-        tasks_[opened++] = {open_a ? pair.b : pair.a, open_a ? &a_.nodes[pair.a.child()] : &b_.nodes[pair.b.child()],
-                            open_a};
+        tasks_[opened++].set(open_a ? pair.b : pair.a, open_a ? a_.nodes[pair.a.child()] : b_.nodes[pair.b.child()],
+                             open_a);
       }
       open(opened);
     }
@@ -146,9 +162,17 @@ class Traversal {
   };
   /// A node whose boxes are tested, at rest, against a moving box of the other tree.
   struct Task {
+    Places places;
     Box moving;
     const WideNode* node;
     bool opens_a;
+
+    HWY_INLINE void set(const Box& box, const WideNode& opened, bool of_a) {
+      places = Places(opened);
+      moving = box;
+      node = &opened;
+      opens_a = of_a;
+    }
   };
   static constexpr int batch = 8;
   static constexpr int crowded = 256;  // from here on one at a time, which bounds the stack
@@ -170,7 +194,7 @@ class Traversal {
       for (std::uint32_t left = near[i]; left != 0;) {
         const int lane = 31 - __builtin_clz(left);
         left &= ~(1U << lane);
-        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        const Box box(task.opens_a ? a_ : b_, task.places, task.node->link[lane], lane);
         stack_[size_++] = task.opens_a ? Pair{box, task.moving} : Pair{task.moving, box};
       }
     }
@@ -185,7 +209,7 @@ class Traversal {
       const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
       Bounds<4> swept;
       sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.place_gap, task.moving, swept);
-      within[i] = side.works ? lanes_within(*task.node, swept) : (1U << WideNode::width) - 1;
+      within[i] = side.works ? lanes_within(task.places, swept) : (1U << WideNode::width) - 1;
     }
     for (int i = 0; i < count; ++i) {
       if (within[i] == 0) continue;
@@ -196,7 +220,7 @@ class Traversal {
       for (std::uint32_t left = within[i]; left != 0; left &= left - 1) {
         const int lane = __builtin_ctz(left);
         const bool used = task.node->count(lane) != WideNode::unused;
-        const Box box(task.opens_a ? a_ : b_, *task.node, lane);
+        const Box box(task.opens_a ? a_ : b_, task.places, task.node->link[lane], lane);
         const bool apart = side.works && separated_by_axis(side, box, projected);
         near[i] |= static_cast<std::uint32_t>(used && !apart) << lane;
       }

@@ -67,8 +67,10 @@ class Widener {
         const BvhNode& node = binary_.nodes[lanes[lane < count ? lane : 0]];
         WideNode& wide = tree_.nodes[task.wide];
         for (int axis = 0; axis < 3; ++axis) {
-          wide.lower[axis][lane] = place_below(tree_.grid, axis, node.lower[axis]);
-          wide.upper[axis][lane] = place_above(tree_.grid, axis, node.upper[axis]);
+          // What is unused is empty, so that tests rarely find it.
+          wide.lower[axis][lane] = lane < count ? place_below(tree_.grid, axis, node.lower[axis]) : std::int16_t{32767};
+          wide.upper[axis][lane] =
+              lane < count ? place_above(tree_.grid, axis, node.upper[axis]) : std::int16_t{-32768};
         }
         wide.set_link(lane, 0, WideNode::unused);
         if (lane >= count) continue;

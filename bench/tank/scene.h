@@ -59,8 +59,8 @@ class Entries {
  public:
   Entries(const SceneOptions& options, const MassProperties& mass);
 
-  /// The next body, at rest with a random orientation: a tenth of a radius above `top`, that of the balls that hold those
-  /// that are in, its centre at least three radii above the floor.
+  /// The next body, at rest with a random orientation: a tenth of a radius above `top`, that of the balls that hold
+  /// those that are in, its centre at least three radii above the floor.
   BodyState next(double top);
 
   std::int64_t entry_step(int body) const;

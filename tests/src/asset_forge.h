@@ -90,8 +90,8 @@ class TemporaryFile {
  public:
   TemporaryFile() {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::path(::testing::TempDir()) /
-            (std::string("encage_") + test->test_suite_name() + "_" + test->name() + "_" + std::to_string(::getpid()) + ".glb");
+    path_ = std::filesystem::path(::testing::TempDir()) / (std::string("encage_") + test->test_suite_name() + "_" +
+                                                           test->name() + "_" + std::to_string(::getpid()) + ".glb");
     std::filesystem::remove(path_);
   }
   ~TemporaryFile() { std::filesystem::remove(path_); }
