@@ -5,6 +5,7 @@
 
 #include "broadphase/box_gate.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -194,9 +195,21 @@ class Traversal {
       for (std::uint32_t left = near[i]; left != 0;) {
         const int lane = 31 - __builtin_clz(left);
         left &= ~(1U << lane);
-        const Box box(task.opens_a ? a_ : b_, task.places, task.node->link[lane], lane);
+        const WideTreeView& tree = task.opens_a ? a_ : b_;
+        const Box box(tree, task.places, task.node->link[lane], lane);
+        prefetch(tree, box);
         stack_[size_++] = task.opens_a ? Pair{box, task.moving} : Pair{task.moving, box};
       }
+    }
+  }
+
+  /// What is below a box will be wanted soon.
+  static void prefetch(const WideTreeView& tree, const Box& box) {
+    if (box.count() > 0) {
+      hwy::Prefetch(&tree.leaves[box.child()]);
+    } else {
+      hwy::Prefetch(&tree.nodes[box.child()]);
+      hwy::Prefetch(tree.nodes[box.child()].link);
     }
   }
 
