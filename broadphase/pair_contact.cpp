@@ -29,15 +29,30 @@ Vector at(const MovingPoints& points, std::size_t i, double t) { return (1 - t) 
 
 auto rank(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
 
-/// Barycentric coordinates of the projection of p to the plane of a, b, c, clamped to the triangle and up to rounding.
-Vector weights_in_triangle(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
-  const Vector n = (b - a).cross(c - a);
-  const double squared = n.squaredNorm();
-  if (!(squared > 0)) return {1, 0, 0};
-  Vector w((c - b).cross(p - b).dot(n), (a - c).cross(p - c).dot(n), (b - a).cross(p - a).dot(n));
-  w = w.cwiseMax(0.0);
-  const double sum = w.sum();
-  return sum > 0 ? Vector(w / sum) : Vector(1, 0, 0);
+/// Barycentric coordinates of the point of the triangle closest to p, up to rounding.
+Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner) {
+  const Vector n = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  Vector w;
+  for (int k = 0; k < 3; ++k) {
+    const Vector &a = corner[(k + 1) % 3], &b = corner[(k + 2) % 3];
+    w[k] = (b - a).cross(p - a).dot(n);
+  }
+  if (w.minCoeff() >= 0 && w.sum() > 0) return w / w.sum();
+  // Outside, or no triangle: the closest point of the edges.
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const int k1 = (k + 1) % 3;
+    const Vector along = corner[k1] - corner[k];
+    const double length = along.squaredNorm();
+    const double t = length > 0 ? std::clamp(along.dot(p - corner[k]) / length, 0.0, 1.0) : 0;
+    const double distance = (corner[k] + t * along - p).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    w.setZero();
+    w[k] = 1 - t;
+    w[k1] = t;
+  }
+  return w;
 }
 
 /// Parameters along p0 p1 and q0 q1 of the closest points of the two edges, up to rounding.
@@ -63,7 +78,7 @@ struct Meeting {
 /// The vertex points[0] against the face of the others; `vertex_is_a`: it belongs to a.
 Meeting meet_vertex_face(const MovingPoints& points, double t, bool vertex_is_a) {
   const Vector p = at(points, 0, t), a = at(points, 1, t), b = at(points, 2, t), c = at(points, 3, t);
-  const Vector w = weights_in_triangle(p, a, b, c);
+  const Vector w = weights_in_triangle(p, {a, b, c});
   const auto moved = [&](std::size_t i) -> Vector { return points.end[i] - points.start[i]; };
   const Vector on_face = w[0] * a + w[1] * b + w[2] * c;
   const Vector path = moved(0) - (w[0] * moved(1) + w[1] * moved(2) + w[2] * moved(3));
