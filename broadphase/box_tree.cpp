@@ -305,7 +305,7 @@ std::string BoxTree::defect() const {
     const std::int32_t n = stack.back();
     stack.pop_back();
     if (n < 0 || n >= static_cast<std::int32_t>(nodes_.size()) || ++visited > 2 * size_) return "not a tree";
-    if (const std::string found = node_defect(n); !found.empty()) return found;
+    if (std::string found = node_defect(n); !found.empty()) return found;
     if (nodes_[n].height == 0) {
       ++leaves;
     } else {
