@@ -126,9 +126,8 @@ HWY_INLINE bool separated_by_axis(const BoxGate::Side& side, const Box& box,
 /// Depth first, but several pairs at a time where there are several: their tests do not wait for each other.
 class Traversal {
  public:
-  Traversal(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
-            void* context)
-      : a_(a), b_(b), gates_(gates), visit_(visit), context_(context) {}
+  Traversal(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit, void* context)
+      : a_(a), b_(b), gate_(gate), visit_(visit), context_(context) {}
 
   bool run() {
     const WideNode& root = b_.nodes[0];
@@ -182,12 +181,10 @@ class Traversal {
   /// Puts on the stack what the first `count` tasks do not prove apart.
   void open(int count) {
     std::array<std::uint32_t, batch> near{};
-    for (const BoxGate& gate : gates_) {
-      if (gate.ends == 1) {
-        find_near<1>(gate, count, near);
-      } else {
-        find_near<2>(gate, count, near);
-      }
+    if (gate_.ends == 1) {
+      find_near<1>(count, near);
+    } else {
+      find_near<2>(count, near);
     }
     for (int i = count - 1; i >= 0; --i) {
       const Task& task = tasks_[i];
@@ -213,13 +210,13 @@ class Traversal {
     }
   }
 
-  /// Adds the lanes of the tasks' nodes that the gate does not prove apart.
+  /// Bits of the lanes of the tasks' nodes that the gate does not prove apart.
   template <int kEnds>
-  void find_near(const BoxGate& gate, int count, std::array<std::uint32_t, batch>& near) const {
+  void find_near(int count, std::array<std::uint32_t, batch>& near) const {
     std::array<std::uint32_t, batch> within;
     for (int i = 0; i < count; ++i) {
       const Task& task = tasks_[i];
-      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
+      const BoxGate::Side& side = task.opens_a ? gate_.a : gate_.b;
       Bounds<4> swept;
       sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.place_gap, task.moving, swept);
       within[i] = side.works ? lanes_within(task.places, swept) : (1U << WideNode::width) - 1;
@@ -227,7 +224,7 @@ class Traversal {
     for (int i = 0; i < count; ++i) {
       if (within[i] == 0) continue;
       const Task& task = tasks_[i];
-      const BoxGate::Side& side = task.opens_a ? gate.a : gate.b;
+      const BoxGate::Side& side = task.opens_a ? gate_.a : gate_.b;
       Bounds<BoxGate::axis_lanes> projected;
       sweep<kEnds>(Axes(), side.moving, side.moving_size, side.moving_offset, side.gap, task.moving, projected);
       for (std::uint32_t left = within[i]; left != 0; left &= left - 1) {
@@ -242,7 +239,7 @@ class Traversal {
 
   const WideTreeView& a_;
   const WideTreeView& b_;
-  std::span<const BoxGate> gates_;
+  const BoxGate& gate_;
   VisitLeaves visit_;
   void* context_;
   int size_ = 0;
@@ -250,9 +247,9 @@ class Traversal {
   std::array<Pair, stack_size> stack_;
 };
 
-bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
+bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit,
                       void* context) {
-  return Traversal(a, b, gates, visit, context).run();
+  return Traversal(a, b, gate, visit, context).run();
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -345,7 +342,9 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   // 128 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
   const double size = body.radius + middle.norm() + stretch * (other.radius + other_middle.norm()) + offset;
   const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
-  side.works = finite && shrink > 0.05 && stretch < 1e3 && size < 1e30 && gap < 1e30;
+  // Sums of places must stay finite as well: infinity has lost what would be subtracted from it.
+  const double least_step = std::min(1.0, step.minCoeff());
+  side.works = finite && shrink > 0.05 && stretch < 1e3 && size < 1e30 * least_step && gap < 1e30 * least_step;
   if (!side.works) return side;
   side.gap.fill(std::nextafter(static_cast<float>(gap), std::numeric_limits<float>::infinity()));
   side.place_gap = column(Vector::Constant(gap * (1 + 0x1p-22)).cwiseQuotient(step));
@@ -361,9 +360,9 @@ BoxGate::BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBod
 
 HWY_EXPORT(visit_leaf_pairs);
 
-bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
+bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit,
                       void* context) {
-  return HWY_DYNAMIC_DISPATCH(visit_leaf_pairs)(a, b, gates, visit, context);
+  return HWY_DYNAMIC_DISPATCH(visit_leaf_pairs)(a, b, gate, visit, context);
 }
 
 }  // namespace encage

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 namespace encage {
 
@@ -28,7 +27,7 @@ struct BoxGate {
 
   /// One body at rest, the other one moving.
   struct Side {
-    // Along the coordinates, in places of the resting body's grid, 0 to 65535.
+    // Along the coordinates, in places of the resting body's grid.
     std::array<std::array<Column, 3>, 2> map;        ///< [end][column]: from the other's frame
     std::array<std::array<Column, 3>, 2> magnitude;  ///< absolute values of `map`
     std::array<Column, 2> offset;                    ///< [end]
@@ -54,9 +53,9 @@ struct BoxGate {
 using VisitLeaves = bool (*)(void* context, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b,
                              std::int32_t count_b);
 
-/// Visits every pair of leaves that one of the gates does not prove apart, once, in an order
-/// that depends on nothing but the arguments, nor on the instruction set. False if a visit stopped it.
-bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, std::span<const BoxGate> gates, VisitLeaves visit,
+/// Visits every pair of leaves that the gate does not prove apart, once, in an order
+/// that depends on the arguments alone, not on the instruction set. False if a visit stopped it.
+bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit,
                       void* context);
 
 }  // namespace encage

@@ -102,7 +102,7 @@ bool visit_near_triangles(const Surface& a, const Surface& b, const PairMotion& 
   const BoxGate gate(motion, {a.radius, a.tree.grid}, {b.radius, b.tree.grid}, distance);
   LeafTest test{a, b, motion, distance, effort, visit, context};
   return visit_leaf_pairs(
-      a.tree, b.tree, {&gate, 1},
+      a.tree, b.tree, gate,
       [](void* leaf_test, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
         return static_cast<const LeafTest*>(leaf_test)->leaves(first_a, count_a, first_b, count_b);
       },

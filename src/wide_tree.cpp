@@ -220,20 +220,23 @@ class Checker {
 }  // namespace
 
 TreeGrid make_grid(std::span<const std::array<float, 3>> vertices) {
+  std::array<double, 3> low = {}, high = {};
+  double largest = 0;
+  for (std::size_t axis = 0; axis < 3 && !vertices.empty(); ++axis) {
+    const auto [least, most] = std::minmax_element(vertices.begin(), vertices.end(),
+                                                   [&](const auto& x, const auto& y) { return x[axis] < y[axis]; });
+    low[axis] = static_cast<double>((*least)[axis]);
+    high[axis] = static_cast<double>((*most)[axis]);
+    largest = std::max({largest, std::abs(low[axis]), std::abs(high[axis])});
+  }
   TreeGrid grid;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    float low = vertices.empty() ? 0 : vertices[0][axis], high = low;
-    for (const auto& vertex : vertices) {
-      low = std::min(low, vertex[axis]);
-      high = std::max(high, vertex[axis]);
-    }
-    const double middle = 0.5 * (static_cast<double>(low) + static_cast<double>(high));
-    const double half = 0.5 * (static_cast<double>(high) - static_cast<double>(low));
-    // A little more than the extent, and never so little that places would round to the same number.
-    const double largest = std::max(std::abs(static_cast<double>(low)), std::abs(static_cast<double>(high)));
+    // A little more than the extent; never so little that places would round to the same number, nor, where the mesh
+    // is flat, that its size in places would overflow.
+    const double half = 0.5 * (high[axis] - low[axis]);
     const double step = std::max(
         {half / 32766 * (1 + 0x1p-20), largest * 0x1p-21, static_cast<double>(std::numeric_limits<float>::min())});
-    grid.middle[axis] = static_cast<float>(middle);
+    grid.middle[axis] = static_cast<float>(0.5 * (low[axis] + high[axis]));
     grid.step[axis] = static_cast<float>(step);
   }
   return grid;

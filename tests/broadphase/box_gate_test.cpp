@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <limits>
 #include <set>
-#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -33,10 +32,10 @@ struct Tree {
   GateBody body() const { return {radius, arrays.tree.grid}; }
 };
 
-std::vector<Leaves> visited(const Tree& a, const Tree& b, std::span<const BoxGate> gates) {
+std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) {
   std::vector<Leaves> all;
   visit_leaf_pairs(
-      a.arrays.tree, b.arrays.tree, gates,
+      a.arrays.tree, b.arrays.tree, gate,
       [](void* context, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
         static_cast<std::vector<Leaves>*>(context)->emplace_back(first_a, count_a, first_b, count_b);
         return true;
@@ -45,7 +44,7 @@ std::vector<Leaves> visited(const Tree& a, const Tree& b, std::span<const BoxGat
   return all;
 }
 
-std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) { return visited(a, b, {&gate, 1}); }
+std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) { return visited(a, b, gate); }
 
 AffineMap map(const Eigen::Matrix3d& linear, const Eigen::Vector3d& offset) { return {linear, offset}; }
 
@@ -216,7 +215,7 @@ TEST(BoxGate, StopsWhenAskedTo) {
     int left = stop_after, calls = 0;
     std::pair<int*, int*> context{&left, &calls};
     const bool finished = visit_leaf_pairs(
-        a.arrays.tree, a.arrays.tree, {&gate, 1},
+        a.arrays.tree, a.arrays.tree, gate,
         [](void* c, std::int32_t, std::int32_t, std::int32_t, std::int32_t) {
           const auto& [remaining, count] = *static_cast<std::pair<int*, int*>*>(c);
           ++*count;

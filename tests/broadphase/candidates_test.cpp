@@ -155,5 +155,56 @@ TEST(Candidates, FineErrorCounts) {
   EXPECT_FALSE(any(2.0201));
 }
 
+/// A sheet of 2 n^2 triangles over [-10, 10]^2, flat across one axis, where all its coordinates are 0.
+TriangleMesh sheet(int n, int across) {
+  TriangleMesh mesh;
+  mesh.vertices.setZero((n + 1) * (n + 1), 3);
+  mesh.triangles.resize(2 * n * n, 3);
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      const int v = i * (n + 1) + j;
+      mesh.vertices(v, (across + 1) % 3) = -10 + 20.0 * i / n;
+      mesh.vertices(v, (across + 2) % 3) = -10 + 20.0 * j / n;
+      if (i == n || j == n) continue;
+      mesh.triangles.row(2 * (i * n + j)) << v, v + n + 1, v + 1;
+      mesh.triangles.row(2 * (i * n + j) + 1) << v + 1, v + n + 1, v + n + 2;
+    }
+  }
+  return mesh;
+}
+
+CageHierarchy without_cages(TriangleMesh mesh, Solid solid) {
+  CageHierarchy h;
+  h.fine = std::move(mesh);
+  h.fine.vertices = h.fine.vertices.cast<float>().cast<double>().eval();
+  h.solid = solid;
+  h.diagonal = 1;
+  return h;
+}
+
+// A grid as fine as the sheet is thin made places overflow: spheres through the sheet were "separated".
+TEST(Candidates, AreFoundOnSheetsThatAreFlatAcrossAnAxis) {
+  for (int across = 0; across < 3; ++across) {
+    const ShapePtr flat = make_shape(without_cages(sheet(32, across), Solid::surface_only));
+    for (const double radius : {1e-3, 2.0, 4.0, 5.0, 8.0, 20.0}) {
+      TriangleMesh ball = shapes::sphere(4);
+      ball.vertices *= radius;
+      const ShapePtr sphere = make_shape(without_cages(ball, Solid::closed));
+      for (int turn = 0; turn < 20; ++turn) {
+        Pose pose = Pose::Identity();
+        pose.linear() = Eigen::AngleAxisd(0.37 * turn, Vector(1, 2, 3 + turn).normalized()).toRotationMatrix();
+        pose.translation()[across] = radius * 0.9;
+        for (const Motion& motion :
+             {Motion::resting(pose), Motion{pose, Pose(Eigen::Translation3d(0, 0, 0.01) * pose)}}) {
+          const Motion still = Motion::resting(Pose::Identity());
+          EXPECT_FALSE(separated(*flat, still, *sphere, motion).separated) << across << " " << radius << " " << turn;
+          EXPECT_FALSE(for_each_candidate(*flat, still, *sphere, motion, 0, [](TrianglePair) { return false; }));
+          EXPECT_FALSE(for_each_candidate(*sphere, motion, *flat, still, 0, [](TrianglePair) { return false; }));
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace encage::test
