@@ -13,6 +13,7 @@
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/level.h"
+#include "cagegen/geometry/rounding.h"
 
 namespace encage {
 
@@ -95,7 +96,7 @@ TriangleMesh round_to_float(const TriangleMesh& mesh, double& error) {
   error = 0;
   for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
     const auto id = static_cast<std::int32_t>(v);
-    rounded.vertices.row(v) = collapse::round_to_float(mesh.vertex(id)).transpose();
+    rounded.vertices.row(v) = makers::round_to_float(mesh.vertex(id)).transpose();
     error = std::max(error, (rounded.vertex(id) - mesh.vertex(id)).norm());
   }
   error *= 1 + 1e-12;  // the norm itself is rounded
@@ -192,7 +193,7 @@ class Baker {
   CageLevel make_level(const TriangleMesh* finer, std::int64_t faces, bool hull) {
     const TriangleMesh& inner = finer != nullptr ? *finer : source_.obstacle;
     const Solid solid = finer != nullptr ? Solid::closed : source_.solid;
-    collapse::LevelRequest request;
+    makers::LevelRequest request;
     request.clean = finer != nullptr ? finer : &source_.clean;
     request.manifold = finer != nullptr || source_.manifold;
     request.faces = faces;
@@ -204,8 +205,8 @@ class Baker {
     CageLevel level;
     run_reporting(
         [&] {
-          const collapse::Obstacle obstacle(inner);
-          const auto accept = [&](const collapse::Candidate& candidate) {
+          const makers::Obstacle obstacle(inner);
+          const auto accept = [&](const makers::Candidate& candidate) {
             const CertifyResult proof = certify(inner, solid, candidate.cage);
             if (!proof.holds) {
               refusals_.push_back(candidate.start + ": " + proof.reason);
@@ -215,7 +216,7 @@ class Baker {
             level.certificate = proof.certificate;
             return true;
           };
-          collapse::Candidate best = collapse::build_level(obstacle, request, control_, accept);
+          makers::Candidate best = makers::build_level(obstacle, request, control_, accept);
           level.mesh = std::move(best.cage);
           level.certificate.method = best.start == "hull" ? Method::hull : Method::collapse;
           level.certificate.start = best.start;
@@ -237,7 +238,7 @@ class Baker {
   const SourceMesh& source_;
   const BakeOptions& options_;
   const BakeContext& context_;
-  collapse::Control control_;
+  makers::Control control_;
   int threads_ = 1;
   std::string stage_;
   double done_ = 0;

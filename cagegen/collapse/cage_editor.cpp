@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
-namespace encage::collapse {
+#include "cagegen/geometry/rounding.h"
+
+namespace encage::makers {
 
 namespace {
 
@@ -17,14 +19,6 @@ constexpr double kThinnest = 1e-4;         // height / longest edge of a cage tr
 constexpr std::int32_t kMovedVertex = -1;  // index of the vertex being placed
 
 }  // namespace
-
-Point round_to_float(const Point& p) {
-  // Through volatile: g++ 12.2 at -O2 drops the conversion of two of three lanes.
-  volatile float x = static_cast<float>(p.x());
-  volatile float y = static_cast<float>(p.y());
-  volatile float z = static_cast<float>(p.z());
-  return {x, y, z};
-}
 
 CageEditor::CageEditor(const Obstacle& obstacle, const TriangleMesh& cage, const EditorOptions& options)
     : obstacle_(obstacle), options_(options) {
@@ -411,4 +405,4 @@ TriangleMesh CageEditor::extract() const {
   return mesh;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "cagegen/collapse/obstacle.h"
-#include "cagegen/collapse/qp3.h"
-#include "cagegen/collapse/triangle_tree.h"
+#include "cagegen/geometry/obstacle.h"
+#include "cagegen/geometry/qp3.h"
+#include "cagegen/geometry/triangle_tree.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 struct EditorOptions {
   double clearance = 0;       ///< to the obstacle, length
@@ -106,6 +106,4 @@ class CageEditor {
   mutable std::int32_t stamp_ = 0;
 };
 
-Point round_to_float(const Point& p);
-
-}  // namespace encage::collapse
+}  // namespace encage::makers

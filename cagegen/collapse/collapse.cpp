@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -144,4 +144,4 @@ double tighten(CageEditor& cage) {
   return gained;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

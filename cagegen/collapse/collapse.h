@@ -6,7 +6,7 @@
 
 #include "cagegen/collapse/cage_editor.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 struct CollapseLimits {
   std::int64_t faces = 0;                         ///< stop at this many or fewer
@@ -22,4 +22,4 @@ bool collapse_edges(CageEditor& cage, const CollapseLimits& limits);
 /// Moves every vertex once, in order, to where the cage encloses least. Returns the volume gained.
 double tighten(CageEditor& cage);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -13,7 +13,7 @@
 #include <set>
 #include <vector>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -111,4 +111,4 @@ std::optional<TriangleMesh> convex_hull(std::span<const Eigen::Vector3d> points)
   return result;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

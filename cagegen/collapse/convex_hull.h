@@ -7,11 +7,11 @@
 #include <optional>
 #include <span>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 /// Convex hull of finite points, outward; exact. Its vertices are the extreme points in lexicographic
 /// order, its faces fans of the hull's facets, so that it depends on the set of points alone (that of
 /// CGAL depends on addresses where more than three points are coplanar). No value if it is flat.
 std::optional<TriangleMesh> convex_hull(std::span<const Eigen::Vector3d> points);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

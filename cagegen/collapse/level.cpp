@@ -13,7 +13,7 @@
 #include "cagegen/collapse/shrink.h"
 #include "cagegen/collapse/starts.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -123,7 +123,7 @@ std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelR
   limits.added_volume = kExplosion * volume;
   limits.work = kWorkPerLevel;
   limits.progress = [&](double fraction) {
-    if (control.cancelled()) throw Cancelled();
+    control.throw_if_cancelled();
     progress(fraction);
   };
   limits.progress(0);
@@ -191,9 +191,7 @@ std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, con
 Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request, Control& control) {
   CageEditor editor(obstacle, candidate.cage, editor_options(request));
   tighten(editor);
-  const auto check = [&] {
-    if (control.cancelled()) throw Cancelled();
-  };
+  const auto check = [&] { control.throw_if_cancelled(); };
   Candidate finished{editor.extract(), 0, candidate.start};
   // Steps get shorter as they jam; starting over with long ones frees coarse cages again.
   // Worth the time where the cage is small beside what it encloses.
@@ -220,4 +218,4 @@ Candidate build_level(const Obstacle& obstacle, const LevelRequest& request, Con
   throw Error("no cage of " + std::to_string(request.faces) + " faces keeps the topology of the level before");
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

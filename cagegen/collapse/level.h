@@ -4,34 +4,16 @@
 #include <encage/bake.h>
 #include <encage/mesh.h>
 
-#include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "cagegen/collapse/obstacle.h"
+#include "cagegen/control.h"
+#include "cagegen/geometry/obstacle.h"
 
-namespace encage::collapse {
-
-/// Between the workers of one level and the thread that called bake().
-struct Control {
-  const std::atomic<bool>* cancel = nullptr;
-  std::optional<std::chrono::steady_clock::time_point> deadline;
-  std::atomic<bool> out_of_time{false};
-  std::atomic<double> fraction{0};     ///< of the level
-  std::atomic<bool> abandoned{false};  ///< the caller's own functions threw
-
-  bool cancelled() const {
-    return abandoned.load(std::memory_order_relaxed) || (cancel != nullptr && cancel->load(std::memory_order_relaxed));
-  }
-  bool expired() {
-    if (deadline && std::chrono::steady_clock::now() > *deadline) out_of_time = true;
-    return out_of_time;
-  }
-};
+namespace encage::makers {
 
 struct LevelRequest {
   const TriangleMesh* clean = nullptr;  ///< the finer surface, without degenerate triangles
@@ -57,4 +39,4 @@ struct Candidate {
 Candidate build_level(const Obstacle& obstacle, const LevelRequest& request, Control& control,
                       const std::function<bool(const Candidate&)>& accept);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "cagegen/collapse/cage_editor.h"
-#include "cagegen/collapse/closest.h"
-#include "cagegen/collapse/triangle_tree.h"
+#include "cagegen/geometry/closest.h"
+#include "cagegen/geometry/rounding.h"
+#include "cagegen/geometry/triangle_tree.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -361,4 +362,4 @@ TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, double c
   return result;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

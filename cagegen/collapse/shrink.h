@@ -5,9 +5,9 @@
 
 #include <functional>
 
-#include "cagegen/collapse/obstacle.h"
+#include "cagegen/geometry/obstacle.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 /// Moves all vertices at once to where the cage encloses least: gradient steps of the volume, projected
 /// onto linearised contacts with the obstacle and the cage itself. The result encloses no more than
@@ -16,4 +16,4 @@ namespace encage::collapse {
 TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, double clearance, double self_clearance,
                     int threads, const std::function<void()>& check);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

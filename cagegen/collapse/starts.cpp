@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "cagegen/collapse/cage_editor.h"
-#include "cagegen/collapse/qp3.h"
+#include "cagegen/geometry/qp3.h"
+#include "cagegen/geometry/rounding.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -295,4 +296,4 @@ TriangleMesh outermost_components(const TriangleMesh& cage) {
   return result;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

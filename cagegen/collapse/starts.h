@@ -5,9 +5,9 @@
 
 #include <optional>
 
-#include "cagegen/collapse/obstacle.h"
+#include "cagegen/geometry/obstacle.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 // Closed surfaces around an obstacle from which a collapse can begin. Vertices are exactly
 // representable in float32. No value if the attempt failed.
@@ -38,4 +38,4 @@ TriangleMesh outermost_components(const TriangleMesh& cage);
 /// True if `cage` is clear of the obstacle and of itself by the makers' conservative tests.
 bool clear(const Obstacle& obstacle, const TriangleMesh& cage, double clearance);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -13,8 +13,9 @@
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/convex_hull.h"
 #include "cagegen/collapse/starts.h"
+#include "cagegen/geometry/rounding.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -39,12 +40,6 @@ TriangleMesh from_cgal(const SurfaceMesh& mesh) {
     ++row;
   }
   return result;
-}
-
-void round_vertices(TriangleMesh& mesh) {
-  for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
-    mesh.vertices.row(v) = round_to_float(mesh.vertex(static_cast<std::int32_t>(v))).transpose();
-  }
 }
 
 }  // namespace
@@ -162,4 +157,4 @@ TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, doub
   return *padded_hull(corners, box.center(), 1.01, pad + 2 * clearance);
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

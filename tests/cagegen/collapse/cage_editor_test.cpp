@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "cagegen/collapse/starts.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "cagegen/geometry/rounding.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using shapes::Random;
@@ -180,4 +181,4 @@ TEST(RoundToFloat, EveryLane) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "cagegen/collapse/starts.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 constexpr double kClearance = 1e-5;
@@ -139,4 +139,4 @@ TEST(CollapseEdges, Progress) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "cagegen/certify/certify.h"
-#include "cagegen/collapse/separation.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "cagegen/geometry/separation.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using shapes::Random;
@@ -105,4 +105,4 @@ TEST(ConvexHull, FlatInput) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -8,9 +8,9 @@
 
 #include "cagegen/collapse/collapse.h"
 #include "cagegen/collapse/starts.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 constexpr double kClearance = 1e-4;
@@ -71,4 +71,4 @@ TEST(Shrink, CheckMayStopIt) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

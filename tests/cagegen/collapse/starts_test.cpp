@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "cagegen/certify/connectivity.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using shapes::joined;
@@ -223,4 +223,4 @@ TEST(Clear, SeesTheObstacleAndTheCageItself) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/obstacle.h"
+#include "cagegen/geometry/obstacle.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -257,4 +257,4 @@ void Obstacle::representatives(const Eigen::AlignedBox3d& box, std::vector<Point
                                 [&](std::int32_t component) { found.push_back(representative_[component]); });
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 /// normal . p >= offset
 struct HalfSpace {
@@ -19,4 +19,4 @@ struct HalfSpace {
 std::optional<Eigen::Vector3d> solve_qp(const Eigen::Matrix3d& a, const Eigen::Vector3d& b,
                                         std::span<const HalfSpace> constraints);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cagegen/collapse/separation.h"
+#include "cagegen/geometry/separation.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 /// Closest points of two disjoint triangles, as barycentric weights of their corners.
 struct ClosestPair {
@@ -14,4 +14,4 @@ struct ClosestPair {
 
 ClosestPair closest_points(const Corners& s, const Corners& t);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/qp3.h"
+#include "cagegen/geometry/qp3.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/cagegen/collapse/shapes.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using Eigen::Matrix3d;
@@ -158,4 +158,4 @@ TEST(SolveQp, ScalesWithTheProblem) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

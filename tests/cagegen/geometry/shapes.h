@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cagegen/collapse/separation.h"
+#include "cagegen/geometry/separation.h"
 #include "tests/shapes.h"
 
 // Triangles and boxes, random and awkward, for the tests of the makers.
-namespace encage::collapse::shapes {
+namespace encage::makers::shapes {
 
 using namespace encage::shapes;
 
@@ -40,4 +40,4 @@ inline Corners awkward_triangle(Random& random, double size) {
   return t;
 }
 
-}  // namespace encage::collapse::shapes
+}  // namespace encage::makers::shapes

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 /// Four floats with lane-wise arithmetic (compiler vector extension: SSE, NEON or scalar).
 struct Float4 {
@@ -30,4 +30,4 @@ struct Mask4 {
 
 inline Mask4 operator<=(Float4 a, Float4 b) { return {a.lanes <= b.lanes}; }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/closest.h"
+#include "cagegen/geometry/closest.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "cagegen/certify/separation.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using shapes::Random;
@@ -84,4 +84,4 @@ TEST(ClosestPoints, KnownAnswers) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

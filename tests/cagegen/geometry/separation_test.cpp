@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/separation.h"
+#include "cagegen/geometry/separation.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 
 #include "cagegen/certify/exact.h"
 #include "cagegen/certify/separation.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "tests/cagegen/geometry/shapes.h"
 
 // The certificate's exact predicates, with which the makers share no code, are the reference.
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using shapes::grid_point;
@@ -275,4 +275,4 @@ TEST(SolidAngle, OfClosedMeshes) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "cagegen/collapse/separation.h"
-#include "cagegen/collapse/triangle_tree.h"
+#include "cagegen/geometry/separation.h"
+#include "cagegen/geometry/triangle_tree.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 /// Accepts boxes that may meet a set of half-spaces and a box; for TriangleTree::traverse.
 /// Works in float with slack for its own rounding: it only prunes.
@@ -97,4 +97,4 @@ class Obstacle {
   TriangleTree representative_tree_;
 };
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

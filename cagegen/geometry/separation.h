@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 using Point = Eigen::Vector3d;
 using Corners = std::array<Point, 3>;
@@ -37,4 +37,4 @@ bool common_direction(std::span<const Point> normals);
 /// Signed solid angle under which a triangle is seen from x; positive from its inner side.
 double solid_angle(const Point& x, const Corners& t);
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/triangle_tree.h"
+#include "cagegen/geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -147,4 +147,4 @@ void TriangleTree::remove(std::int32_t primitive) {
   place_[primitive] = kNone;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

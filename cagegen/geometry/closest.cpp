@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/closest.h"
+#include "cagegen/geometry/closest.h"
 
 #include <algorithm>
 #include <limits>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -72,4 +72,4 @@ ClosestPair closest_points(const Corners& s, const Corners& t) {
   return best;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

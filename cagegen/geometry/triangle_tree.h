@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "cagegen/collapse/float4.h"
+#include "cagegen/geometry/float4.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 
 /// Four-wide bounding volume tree over boxes, one primitive a leaf lane. Boxes
 /// are float, rounded outward. Primitives may move (update) or go (remove);
@@ -117,4 +117,4 @@ class TriangleTree {
   std::vector<std::int32_t> place_;  ///< per primitive: node * 4 + lane
 };
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

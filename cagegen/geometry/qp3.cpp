@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/qp3.h"
+#include "cagegen/geometry/qp3.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -91,4 +91,4 @@ std::optional<Eigen::Vector3d> solve_qp(const Eigen::Matrix3d& a, const Eigen::V
   return factor.matrixU().solve(best);
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers

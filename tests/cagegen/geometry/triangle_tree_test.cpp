@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/triangle_tree.h"
+#include "cagegen/geometry/triangle_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <numeric>
 #include <vector>
 
-#include "cagegen/collapse/obstacle.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "cagegen/geometry/obstacle.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using shapes::Random;
@@ -234,4 +234,4 @@ TEST(BoxFilter, DepthBelowTheFirstHalfSpace) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/obstacle.h"
+#include "cagegen/geometry/obstacle.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "cagegen/certify/separation.h"
-#include "tests/cagegen/collapse/shapes.h"
+#include "tests/cagegen/geometry/shapes.h"
 
-namespace encage::collapse {
+namespace encage::makers {
 namespace {
 
 using shapes::Random;
@@ -220,4 +220,4 @@ TEST(Obstacle, OneRepresentativeAComponent) {
 }
 
 }  // namespace
-}  // namespace encage::collapse
+}  // namespace encage::makers

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/separation.h"
+#include "cagegen/geometry/separation.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace encage::collapse {
+namespace encage::makers {
 
 namespace {
 
@@ -146,4 +146,4 @@ bool common_direction(std::span<const Point> normals) {
   return false;
 }
 
-}  // namespace encage::collapse
+}  // namespace encage::makers
