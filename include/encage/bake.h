@@ -4,6 +4,8 @@
 // Offline side: read, sanitize, bake, certify. Links CGAL (GPL).
 
 #include <encage/cage.h>
+#include <encage/decimator.h>
+#include <encage/energy.h>
 #include <encage/error.h>
 #include <encage/mesh.h>
 
@@ -131,8 +133,10 @@ CheckReport check_asset(const CageHierarchy& hierarchy, const SourceMesh* source
 
 // ---- Bake ----------------------------------------------------------------
 
-enum class BakeMethod { automatic, collapse };
+enum class BakeMethod { automatic, collapse, flow };
 enum class Topology { any, keep, simplify };
+/// How F goes back to its place in the re-inflation: in a straight line, or along the flow's history as in the paper.
+enum class FlowPath { straight, history };
 
 struct BakeOptions {
   /// Triangles per level, fine to coarse. Empty: `ratio` and `level_count`; if
@@ -143,6 +147,17 @@ struct BakeOptions {
   BakeMethod method = BakeMethod::automatic;
   /// any: whatever is tightest; keep: the genus of the source; simplify: prefer fewer handles.
   Topology topology = Topology::any;
+  /// Of the flow. Empty: regular, then adaptive, and alpha wraps where they fail.
+  Decimator decimator;
+  std::string decimator_name;  ///< recorded in the asset: "regular", "adaptive" or a name of yours
+  /// Of the flow: coarse meshes made by the user, fine to coarse, in the source's frame, in place of decimations;
+  /// closed, oriented, manifold, free of self-intersection. Excludes `faces`, `ratio`, `level_count`, `decimator`
+  /// and the method collapse.
+  std::vector<TriangleMesh> coarse;
+  EnergyPtr energy_inflate;  ///< minimised while F goes back to its place; null: step_energy()
+  EnergyPtr energy_final;    ///< minimised afterwards; null: volume_energy()
+  FlowPath path = FlowPath::straight;
+  bool keep_partial = false;  ///< if a level fails, return the levels made before it (at least one) instead of throwing
   double min_clearance = 1e-5;       ///< distance between consecutive surfaces, in diagonals of the source
   int threads = 0;                   ///< 0: all; never changes the result
   std::optional<double> time_limit;  ///< seconds; the only option that may make results vary
@@ -164,9 +179,12 @@ struct BakeContext {
 struct BakeReport {
   struct Level {
     double seconds = 0;
+    double flow_seconds = 0;       ///< 0 if the level was made by collapse
+    double reinflate_seconds = 0;  ///< with the final minimisation
   };
-  std::vector<Level> levels;
+  std::vector<Level> levels;  ///< of the hierarchy returned
   double seconds = 0;
+  std::string failure;  ///< with keep_partial: the level that failed and why; else empty
 };
 
 /// Nested, certified cages around `source`. Levels with as many faces as the

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/mesh.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+namespace encage::makers {
+
+enum class Decimation { regular, adaptive };
+
+/// CGAL's edge collapse of a closed oriented manifold to at most `faces` triangles. The result is closed and
+/// manifold; it may intersect itself. No value if edges that may be collapsed run out before. `check` is called
+/// often and may throw to cancel.
+std::optional<TriangleMesh> collapse_to(const TriangleMesh& mesh, std::int64_t faces, Decimation kind,
+                                        const std::function<void()>& check);
+
+/// Two triangles that come nearer to each other than `gap` without sharing a vertex, or fold onto each other
+/// where they share one; no value if there are none.
+std::optional<std::array<std::int32_t, 2>> find_self_contact(const TriangleMesh& mesh, double gap);
+
+/// Moves vertices around self-contacts, and no others, until there is none: smoothing, and pulling strands apart.
+/// Vertices are rounded to float32. No value if some remain.
+std::optional<TriangleMesh> untangle(const TriangleMesh& mesh, double gap);
+
+/// Decimates and untangles. If that fails, the same with more faces (up to twice as many). No value if that fails
+/// too.
+std::optional<TriangleMesh> decimate(const TriangleMesh& mesh, std::int64_t faces, Decimation kind, double gap,
+                                     const std::function<void()>& check);
+
+}  // namespace encage::makers
