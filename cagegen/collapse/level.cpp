@@ -10,8 +10,8 @@
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/collapse.h"
-#include "cagegen/collapse/shrink.h"
 #include "cagegen/collapse/starts.h"
+#include "cagegen/contact/minimize.h"
 
 namespace encage::makers {
 
@@ -191,14 +191,17 @@ std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, con
 Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request, Control& control) {
   CageEditor editor(obstacle, candidate.cage, editor_options(request));
   tighten(editor);
-  const auto check = [&] { control.throw_if_cancelled(); };
+  ContactOptions options;
+  options.clearance = request.clearance;
+  options.self_clearance = kSelfClearance * request.clearance;
+  options.threads = request.threads;
+  options.check = [&] { control.throw_if_cancelled(); };
   Candidate finished{editor.extract(), 0, candidate.start};
   // Steps get shorter as they jam; starting over with long ones frees coarse cages again.
   // Worth the time where the cage is small beside what it encloses.
   const bool small = request.faces <= 1000 || request.clean->triangles.rows() > 20 * request.faces;
   for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
-    finished.cage =
-        shrink(obstacle, finished.cage, request.clearance, kSelfClearance * request.clearance, request.threads, check);
+    finished.cage = shrink(obstacle, finished.cage, options);
   }
   finished.volume = signed_volume(finished.cage);
   return finished;

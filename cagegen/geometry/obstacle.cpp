@@ -113,21 +113,46 @@ Obstacle::Obstacle(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) boxes[t].extend(mesh.corner(static_cast<std::int64_t>(t), k));
   }
   tree_.build(boxes);
-  for (const std::int32_t t : tree_.renumber())
-    corners_.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
-  for (const auto& box : boxes) {
-    magnitude_ = std::max({magnitude_, box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()});
+  for (const std::int32_t t : tree_.renumber()) {
+    triangle_.push_back({mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
   }
   std::vector<std::int32_t> label;
-  const int components = triangle_components(mesh, label);
+  triangle_components(mesh, label);
   for (std::size_t t = 0; t < label.size(); ++t) {
-    if (label[t] == static_cast<int>(representative_.size())) {
-      representative_.push_back(mesh.corner(static_cast<std::int64_t>(t), 0));
+    if (label[t] == static_cast<int>(representative_vertex_.size())) {
+      representative_vertex_.push_back(mesh.triangles(static_cast<std::int64_t>(t), 0));
     }
   }
-  boxes.assign(static_cast<std::size_t>(components), {});
-  for (int c = 0; c < components; ++c) boxes[c].extend(representative_[c]);
+  place(mesh.vertices);
+  boxes.assign(representative_.size(), {});
+  for (std::size_t c = 0; c < boxes.size(); ++c) boxes[c].extend(representative_[c]);
   representative_tree_.build(boxes);
+}
+
+void Obstacle::place(const Vertices& vertices) {
+  const auto vertex = [&](std::int32_t v) -> Point { return vertices.row(v).transpose(); };
+  corners_.resize(triangle_.size());
+  magnitude_ = 0;
+  for (std::size_t t = 0; t < corners_.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      corners_[t][k] = vertex(triangle_[t][k]);
+      magnitude_ = std::max(magnitude_, corners_[t][k].cwiseAbs().maxCoeff());
+    }
+  }
+  representative_.clear();
+  for (const std::int32_t v : representative_vertex_) representative_.push_back(vertex(v));
+}
+
+void Obstacle::move(const Vertices& vertices) {
+  place(vertices);
+  std::vector<Eigen::AlignedBox3d> boxes(corners_.size());
+  for (std::size_t t = 0; t < boxes.size(); ++t) {
+    for (const Point& p : corners_[t]) boxes[t].extend(p);
+  }
+  tree_.refit(boxes);
+  boxes.assign(representative_.size(), {});
+  for (std::size_t c = 0; c < boxes.size(); ++c) boxes[c].extend(representative_[c]);
+  representative_tree_.refit(boxes);
 }
 
 std::uint64_t& Obstacle::work() {
@@ -142,8 +167,8 @@ BoxFilter Obstacle::near(const Prism& prism, double clearance) const {
   box.max().array() += clearance;
   BoxFilter filter(box, magnitude_);
   const double level = prism.normal.dot(prism.corner[0]);
-  filter.below(prism.normal, level + clearance);
   filter.below(-prism.normal, -level + clearance);
+  filter.below(prism.normal, level + clearance);
   for (int k = 0; k < 3; ++k) filter.below(prism.side[k], prism.side[k].dot(prism.corner[k]) + clearance);
   return filter;
 }
@@ -151,6 +176,17 @@ BoxFilter Obstacle::near(const Prism& prism, double clearance) const {
 void Obstacle::hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const {
   const BoxFilter filter = near(prism, clearance);
   tree_.traverse(filter, [&](std::int32_t t) {
+    if (found.size() >= limit) return;
+    ++work();
+    if (!separated(prism.corner, corners(t), clearance)) found.push_back(t);
+  });
+}
+
+void Obstacle::highest_hits(const Prism& prism, double clearance, std::size_t limit,
+                            std::vector<std::int32_t>& found) const {
+  const BoxFilter filter = near(prism, clearance);
+  const auto height = [&](const Float4(&low)[3], const Float4(&high)[3]) { return filter.depth(low, high); };
+  tree_.traverse_ranked(filter, height, [&](std::int32_t t) {
     if (found.size() >= limit) return;
     ++work();
     if (!separated(prism.corner, corners(t), clearance)) found.push_back(t);

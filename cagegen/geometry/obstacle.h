@@ -59,6 +59,9 @@ class Obstacle {
  public:
   explicit Obstacle(const TriangleMesh& mesh);
 
+  /// Moves the mesh's vertices; triangles keep their numbers, and the trees their shape.
+  void move(const Vertices& vertices);
+
   /// The largest coordinate, by amount.
   double magnitude() const { return magnitude_; }
   /// Triangles are numbered in the order of the tree's leaves.
@@ -68,6 +71,8 @@ class Obstacle {
   /// Appends the obstacle triangles not proven farther than `clearance` from the
   /// prism's triangle, at most `limit` in all, in no useful but a fixed order.
   void hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
+  /// The same, those that reach highest over the triangle first, as far as boxes tell.
+  void highest_hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
   /// Boxes that may come within `clearance` of the prism's triangle.
   BoxFilter near(const Prism& prism, double clearance) const;
   bool hit(const Prism& prism, double clearance) const;
@@ -90,9 +95,13 @@ class Obstacle {
   static std::uint64_t& work();
 
  private:
+  void place(const Vertices& vertices);
+
+  std::vector<std::array<std::int32_t, 3>> triangle_;  ///< vertices
   std::vector<Corners> corners_;
   double magnitude_ = 0;
   TriangleTree tree_;
+  std::vector<std::int32_t> representative_vertex_;
   std::vector<Point> representative_;
   TriangleTree representative_tree_;
 };

@@ -113,6 +113,29 @@ std::vector<std::int32_t> TriangleTree::renumber() {
   return old_number;
 }
 
+void TriangleTree::refit(std::span<const Eigen::AlignedBox3d> boxes) {
+  // Children have higher numbers than their parents.
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    for (int lane = 0; lane < 4; ++lane) {
+      if (node.kind[lane] == Kind::leaf) set_box(node, lane, boxes[node.child[lane]]);
+      if (node.kind[lane] != Kind::inner) continue;
+      const Node& child = nodes_[node.child[lane]];
+      for (int axis = 0; axis < 3; ++axis) {
+        float low = std::numeric_limits<float>::max();
+        float high = -low;
+        for (int k = 0; k < 4; ++k) {
+          if (child.kind[k] == Kind::none) continue;
+          low = std::min(low, child.low[axis][k]);
+          high = std::max(high, child.high[axis][k]);
+        }
+        node.low[axis][lane] = low;
+        node.high[axis][lane] = high;
+      }
+    }
+  }
+}
+
 void TriangleTree::update(std::int32_t primitive, const Eigen::AlignedBox3d& box) {
   // The leaf takes the new box; its ancestors only grow.
   std::int32_t place = place_[primitive];

@@ -30,6 +30,9 @@ class TriangleTree {
   /// together as they are visited. Returns the old number of each.
   std::vector<std::int32_t> renumber();
 
+  /// Fits all boxes anew, tightly, without changing the shape of the tree.
+  void refit(std::span<const Eigen::AlignedBox3d> boxes);
+
   /// Enlarges the primitive's box and all above it to hold `box`.
   void update(std::int32_t primitive, const Eigen::AlignedBox3d& box);
   void remove(std::int32_t primitive);

@@ -32,9 +32,11 @@ class CageEnergy {
   virtual double value(const EnergyState& state) const = 0;
   /// d value / d cage, one row a vertex.
   virtual Vertices gradient(const EnergyState& state) const = 0;
-  /// How far the descent goes at first: times the gradient divided by each vertex's area (a third of its
-  /// triangles' of C^). No value, the default: as far as moves the cage by a few percent of its edges.
-  /// Shorter steps follow where that one does not lower the energy.
+  /// The direction of descent, one row a vertex; contacts then filter it. By default the negative gradient, divided
+  /// by each vertex's area (a third of that of its triangles in C^).
+  virtual Vertices descent(const EnergyState& state) const;
+  /// How many times the descent a first step goes; shorter ones follow where that does not lower the energy. No
+  /// value, the default: as many as move the cage by a few percent of its edges.
   virtual std::optional<double> first_step() const { return std::nullopt; }
 };
 

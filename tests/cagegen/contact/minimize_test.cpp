@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/shrink.h"
+#include "cagegen/contact/minimize.h"
 
 #include <encage/bake.h>
 #include <gtest/gtest.h>
@@ -15,10 +15,15 @@ namespace {
 
 constexpr double kClearance = 1e-4;
 
+ContactOptions options(
+    int threads, std::function<void()> check = [] {}) {
+  return {kClearance, kClearance, threads, std::move(check)};
+}
+
 void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double most) {
   const Obstacle obstacle(solid);
   ASSERT_TRUE(clear(obstacle, cage, kClearance));
-  const TriangleMesh first = shrink(obstacle, cage, kClearance, kClearance, 1, [] {});
+  const TriangleMesh first = shrink(obstacle, cage, options(1));
   const CertifyResult proof = certify(solid, Solid::closed, first);
   ASSERT_TRUE(proof.holds) << proof.reason;
   EXPECT_GE(proof.certificate.clearance, 0.999 * kClearance);
@@ -26,8 +31,7 @@ void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double 
   EXPECT_LE(signed_volume(first), most);
   EXPECT_EQ(first.triangles, cage.triangles);
   EXPECT_EQ(first.vertices, shapes::rounded(first).vertices);
-  for (const int threads : {2, 3})
-    EXPECT_EQ(shrink(obstacle, cage, kClearance, kClearance, threads, [] {}).vertices, first.vertices);
+  for (const int threads : {2, 3}) EXPECT_EQ(shrink(obstacle, cage, options(threads)).vertices, first.vertices);
 }
 
 TriangleMesh inflated(const TriangleMesh& solid, double height) {
@@ -67,7 +71,7 @@ TEST(Shrink, CheckMayStopIt) {
   const TriangleMesh sphere = shapes::sphere(2);
   const TriangleMesh cage = inflated(sphere, 0.05);
   const auto stop = [] { throw std::runtime_error("stop"); };
-  EXPECT_THROW(shrink(Obstacle(sphere), cage, kClearance, kClearance, 2, stop), std::runtime_error);
+  EXPECT_THROW(shrink(Obstacle(sphere), cage, options(2, stop)), std::runtime_error);
 }
 
 }  // namespace

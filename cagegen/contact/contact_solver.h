@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/mesh.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "cagegen/geometry/obstacle.h"
+
+namespace encage::makers {
+
+struct ContactOptions {
+  double clearance = 0;                 ///< to the obstacle, length
+  double self_clearance = 0;            ///< between faces of the cage that share no vertex, length
+  int threads = 1;                      ///< never changes the result
+  std::function<void()> check = [] {};  ///< called often; may throw to cancel
+};
+
+/// Moves a cage from one valid state to the next. A state is valid if the cage keeps `clearance` to the obstacle,
+/// faces keep `self_clearance` to each other (or what they had at the start), neighbours do not fold onto each
+/// other, and one point of each component of the obstacle is inside. That is what a certificate asks for, and a
+/// property of the state alone: however a step went, what it ends in is tested as a whole, and a surface that had
+/// passed through another one on the way would now be outside, or touch.
+class ContactSolver {
+ public:
+  using Places = std::vector<Point>;
+
+  /// `cage` must be valid around the obstacle of the first step.
+  ContactSolver(const TriangleMesh& cage, ContactOptions options);
+
+  const Places& places() const { return place_; }
+  const ContactOptions& options() const { return options_; }
+  TriangleMesh mesh() const;
+  std::size_t face_count() const { return face_.size(); }
+  const std::array<std::int32_t, 3>& face(std::size_t f) const { return face_[f]; }
+
+  /// The valid state near `wanted` that contacts leave; vertices that would still touch stay where they are.
+  /// The obstacle rests.
+  Places approach(const Obstacle& obstacle, const Places& wanted);
+
+  /// The same while the obstacle moves from `before` (where the present state is valid) to `after`. No value if
+  /// faces still touch: jammed() are the faces. Both obstacles are of one mesh.
+  std::optional<Places> follow(const Obstacle& before, const Obstacle& after, const Places& wanted);
+  const std::vector<std::int32_t>& jammed() const { return jammed_; }
+
+  /// True if a step from the present state to `places`, free of contacts, has not passed a component of the
+  /// obstacle as a whole.
+  bool encloses_all(const Obstacle& obstacle, const Places& places);
+  void commit(Places places) { place_ = std::move(places); }
+
+  /// Faces tested so far: the unit of work budgets.
+  std::int64_t work() const { return work_; }
+
+ private:
+  using Index3 = std::array<std::int32_t, 3>;
+
+  /// A face of the cage and what it met: an obstacle triangle, or (negative: -1 - face) a later face.
+  struct Pair {
+    std::int32_t face;
+    std::int32_t other;
+    friend auto operator<=>(const Pair&, const Pair&) = default;
+  };
+
+  /// sum over k of weight[k] normal . Y[vertex[k]] >= offset
+  struct Contact {
+    Pair pair;
+    Point normal;
+    std::array<std::int32_t, 6> vertex;
+    std::array<double, 6> weight;
+    int count;
+    double offset;
+    double norm2;
+    double multiplier;
+  };
+
+  struct Step {
+    const Obstacle& before;
+    const Obstacle& after;
+    bool moves;
+  };
+
+  Corners corners(const Places& y, std::int32_t f) const { return {y[face_[f][0]], y[face_[f][1]], y[face_[f][2]]}; }
+  void begin(const Step& step);
+  bool resolve(const Step& step, const Places& wanted, Places& y);
+  void project(const Places& wanted, Places& y);
+  void add_contact(const Step& step, const Pair& pair, bool strict);
+  void add_obstacle_contact(const Step& step, const Pair& pair, bool strict);
+  void add_self_contact(const Pair& pair);
+  void retest(const Step& step, const Places& y);
+  void test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found) const;
+  void retreat(const Step& step, Places& y);
+  void add_lost_cones(const Places& y);
+
+  ContactOptions options_;
+  Places place_;
+  std::vector<Index3> face_;
+  std::vector<std::vector<std::int32_t>> incident_;  ///< faces of each vertex
+  TriangleTree tree_;                                ///< of the faces as tested last
+  std::vector<Eigen::AlignedBox3d> box_;
+  Places tested_;
+  std::vector<bool> dirty_;  ///< of faces, in the present test
+  bool test_all_ = false;    ///< the obstacle has moved and no face has been tested against it
+  std::vector<Pair> hits_;   ///< of the places tested last, sorted
+  std::vector<Pair> known_;  ///< pairs with a contact, sorted
+  std::vector<Pair> strict_;
+  std::vector<Contact> contacts_;
+  std::vector<std::int32_t> jammed_;
+  std::int64_t work_ = 0;
+};
+
+}  // namespace encage::makers

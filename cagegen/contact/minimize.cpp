@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/contact/minimize.h"
+
+#include <cmath>
+#include <utility>
+
+namespace encage::makers {
+
+namespace {
+
+Vertices to_matrix(const ContactSolver::Places& places) {
+  Vertices matrix(static_cast<std::int64_t>(places.size()), 3);
+  for (std::size_t v = 0; v < places.size(); ++v) matrix.row(static_cast<std::int64_t>(v)) = places[v].transpose();
+  return matrix;
+}
+
+/// The mean edge length of equilateral triangles of the cage's area, nearly.
+double edge_length(const ContactSolver& solver) {
+  double area = 0;
+  for (std::size_t f = 0; f < solver.face_count(); ++f) {
+    const auto& face = solver.face(f);
+    const Point& a = solver.places()[face[0]];
+    area += (solver.places()[face[1]] - a).cross(solver.places()[face[2]] - a).norm() / 2;
+  }
+  return std::sqrt(area / static_cast<double>(solver.face_count()));
+}
+
+}  // namespace
+
+void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeRequest& request) {
+  const std::int64_t last_work = solver.work() + request.face_tests;
+  Vertices cage = to_matrix(solver.places());
+  const Vertices step_start = cage;
+  const auto state = [&](const Vertices& places) -> EnergyState {
+    return {*request.fine, *request.rest, step_start, places};
+  };
+  double value = request.energy->value(state(cage));
+  const double first_value = value;
+  double step = -1;
+  for (int iteration = 0; iteration < request.iterations && solver.work() < last_work; ++iteration) {
+    solver.options().check();
+    const Vertices direction = request.energy->descent(state(cage));
+    const double longest = direction.rowwise().norm().maxCoeff();
+    if (!(longest > 0)) break;
+    // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does
+    // as well, since steps adapt.
+    if (step < 0) step = request.energy->first_step().value_or(0.06 * edge_length(solver) / longest);
+    if (step * longest < solver.options().clearance * 0.1) break;
+    const double slope = -(request.energy->gradient(state(cage)).array() * direction.array()).sum();
+    ContactSolver::Places wanted = solver.places();
+    for (std::size_t v = 0; v < wanted.size(); ++v) {
+      wanted[v] += step * direction.row(static_cast<std::int64_t>(v)).transpose();
+    }
+    ContactSolver::Places next = solver.approach(obstacle, wanted);
+    const Vertices next_cage = to_matrix(next);
+    const double before = value;
+    const double after = request.energy->value(state(next_cage));
+    if (after < before && solver.encloses_all(obstacle, next)) {
+      solver.commit(std::move(next));
+      cage = next_cage;
+      value = after;
+    }
+    if (before - value < 0.02 * step * slope) step *= 0.6;
+    if (before - value < 1e-5 * (first_value - value) && iteration > 3) break;
+  }
+}
+
+TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, const ContactOptions& options) {
+  ContactSolver solver(cage, options);
+  const EnergyPtr volume = volume_energy();
+  MinimizeRequest request;
+  request.fine = &cage;
+  request.rest = &cage;
+  request.energy = volume.get();
+  minimize(solver, obstacle, request);
+  return solver.mesh();
+}
+
+}  // namespace encage::makers
