@@ -68,7 +68,7 @@ class Obstacle {
   /// Appends the obstacle triangles not proven farther than `clearance` from the
   /// prism's triangle, at most `limit` in all, in no useful but a fixed order.
   void hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
-  /// Boxes that may come within `clearance` of the prism's triangle.
+  /// Boxes that may come within `clearance` of the prism's triangle; an invalid prism's are all those near its box.
   BoxFilter near(const Prism& prism, double clearance) const;
   bool hit(const Prism& prism, double clearance) const;
 
