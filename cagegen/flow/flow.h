@@ -26,7 +26,7 @@ class FlowHistory {
 
   int steps() const { return static_cast<int>(steps_.size()); }
   void push(std::vector<std::int32_t> moved, std::vector<Eigen::Vector3f> places);
-  /// F after `step` steps: 0 is where it started, exactly; later places are rounded to float32.
+  /// F after `step` steps: 0 is where it started, exactly; later places are float32.
   Vertices at(int step) const;
   std::size_t bytes() const;
 
@@ -43,7 +43,7 @@ struct FlowResult {
   /// All of F lies inside C^ and keeps the gap (by the makers' conservative tests, which the certificate does
   /// not rely on); else the flow stalled.
   bool inside = false;
-  Vertices positions;  ///< of F at the end, as float32
+  Vertices positions;  ///< of F at the end; what moved is float32
   FlowHistory history;
   int smoothing_steps = 0;          ///< of the flowing mesh, as a last resort
   std::vector<std::int32_t> stuck;  ///< if stalled: triangles of F that still touch C^ or lie outside

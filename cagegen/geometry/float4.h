@@ -29,5 +29,6 @@ struct Mask4 {
 };
 
 inline Mask4 operator<=(Float4 a, Float4 b) { return {a.lanes <= b.lanes}; }
+inline Float4 max(Float4 a, Float4 b) { return {a.lanes < b.lanes ? b.lanes : a.lanes}; }
 
 }  // namespace encage::makers

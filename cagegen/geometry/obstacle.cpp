@@ -166,6 +166,7 @@ BoxFilter Obstacle::near(const Prism& prism, double clearance) const {
   box.min().array() -= clearance;
   box.max().array() += clearance;
   BoxFilter filter(box, magnitude_);
+  if (!prism.valid) return filter;
   const double level = prism.normal.dot(prism.corner[0]);
   filter.below(-prism.normal, -level + clearance);
   filter.below(prism.normal, level + clearance);

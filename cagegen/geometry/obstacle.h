@@ -73,7 +73,7 @@ class Obstacle {
   void hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
   /// The same, those that reach highest over the triangle first, as far as boxes tell.
   void highest_hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
-  /// Boxes that may come within `clearance` of the prism's triangle.
+  /// Boxes that may come within `clearance` of the prism's triangle; an invalid prism's are all those near its box.
   BoxFilter near(const Prism& prism, double clearance) const;
   bool hit(const Prism& prism, double clearance) const;
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cassert>
+
+#include "cagegen/flow/flow.h"
+
+namespace encage::makers {
+
+void FlowHistory::push(std::vector<std::int32_t> moved, std::vector<Eigen::Vector3f> places) {
+  assert(moved.size() == places.size());
+  steps_.push_back({std::move(moved), std::move(places)});
+}
+
+Vertices FlowHistory::at(int step) const {
+  assert(step >= 0 && step <= steps());
+  Vertices result = start_;
+  for (int s = 0; s < step; ++s) {
+    const Step& made = steps_[s];
+    for (std::size_t i = 0; i < made.moved.size(); ++i) {
+      result.row(made.moved[i]) = made.places[i].cast<double>().transpose();
+    }
+  }
+  return result;
+}
+
+std::size_t FlowHistory::bytes() const {
+  std::size_t sum = static_cast<std::size_t>(start_.size()) * sizeof(double);
+  for (const Step& step : steps_) {
+    sum += step.moved.capacity() * sizeof(std::int32_t) + step.places.capacity() * sizeof(Eigen::Vector3f);
+  }
+  return sum;
+}
+
+}  // namespace encage::makers
