@@ -2,7 +2,6 @@
 // The starts that CGAL makes, in one file: its headers are slow to compile.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/convex_hull.h"
 #include "cagegen/collapse/starts.h"
+#include "cagegen/geometry/cgal_mesh.h"
 #include "cagegen/geometry/rounding.h"
 
 namespace encage::makers {
@@ -21,26 +21,6 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
-
-TriangleMesh from_cgal(const SurfaceMesh& mesh) {
-  TriangleMesh result;
-  result.vertices.resize(static_cast<std::int64_t>(mesh.number_of_vertices()), 3);
-  result.triangles.resize(static_cast<std::int64_t>(mesh.number_of_faces()), 3);
-  std::vector<std::int32_t> number(mesh.num_vertices());
-  std::int32_t count = 0;
-  for (const auto v : mesh.vertices()) {
-    const auto& p = mesh.point(v);
-    result.vertices.row(count) << p.x(), p.y(), p.z();
-    number[v] = count++;
-  }
-  std::int64_t row = 0;
-  for (const auto f : mesh.faces()) {
-    int k = 0;
-    for (const auto v : CGAL::vertices_around_face(mesh.halfedge(f), mesh)) result.triangles(row, k++) = number[v];
-    ++row;
-  }
-  return result;
-}
 
 }  // namespace
 

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/decimate/decimate.h"
+
+#include <encage/decimator.h>
+#include <encage/error.h>
+
+#include <string>
+
+#include "cagegen/decimate/edge_collapse.h"
+
+namespace encage::makers {
+
+namespace {
+
+// Distance that the public decimators keep between strands, in diagonals. The flow works best with the first; a
+// dense mesh may have edges about as short.
+constexpr double kGaps[] = {1e-4, 1e-5};
+
+struct Attempt {
+  std::optional<TriangleMesh> mesh;
+  std::int64_t reached = 0;  ///< triangles where the collapse ended, wanted or not
+};
+
+/// At most `limit` triangles, and `faces` if it can be.
+Attempt attempt(const TriangleMesh& mesh, std::int64_t faces, std::int64_t limit, Decimation kind, double gap,
+                const std::function<void()>& check) {
+  Attempt result;
+  for (const auto guard : {std::optional<double>(), std::optional<double>(gap)}) {
+    const TriangleMesh coarse = collapse_edges(mesh, faces, kind, guard, check);
+    if (!guard) result.reached = coarse.triangles.rows();
+    if (coarse.triangles.rows() > limit) break;
+    result.mesh = untangle(coarse, gap);
+    if (result.mesh) break;
+  }
+  return result;
+}
+
+TriangleMesh decimate_or_throw(const TriangleMesh& mesh, std::int64_t faces, Decimation kind) {
+  const std::string what = "decimation to " + std::to_string(faces) + " faces: ";
+  if (faces < 4) throw Error(what + "a closed mesh has at least 4");
+  const double diagonal = bounds(mesh).diagonal().norm();
+  for (const double gap : kGaps) {
+    Attempt result = attempt(mesh, faces, faces, kind, gap * diagonal, [] {});
+    if (result.mesh) return std::move(*result.mesh);
+    if (result.reached > faces) {
+      throw Error(what + "no edge of " + std::to_string(result.reached) + " faces can be collapsed any more");
+    }
+  }
+  throw Error(what + "the result intersects itself");
+}
+
+}  // namespace
+
+std::optional<TriangleMesh> collapse_to(const TriangleMesh& mesh, std::int64_t faces, Decimation kind,
+                                        const std::function<void()>& check) {
+  TriangleMesh coarse = collapse_edges(mesh, faces, kind, std::nullopt, check);
+  if (coarse.triangles.rows() > faces) return std::nullopt;
+  return coarse;
+}
+
+std::optional<TriangleMesh> decimate(const TriangleMesh& mesh, std::int64_t faces, Decimation kind, double gap,
+                                     const std::function<void()>& check) {
+  for (const std::int64_t target : {faces, faces + faces / 2, 2 * faces}) {
+    Attempt result = attempt(mesh, target, 2 * faces, kind, gap, check);
+    if (result.mesh) return std::move(result.mesh);
+    if (result.reached > target) break;  // with more faces it would end there again
+  }
+  return std::nullopt;
+}
+
+}  // namespace encage::makers
+
+namespace encage {
+
+Decimator regular_decimator() {
+  return [](const TriangleMesh& finer, const TriangleMesh&, std::int64_t faces) {
+    return makers::decimate_or_throw(finer, faces, makers::Decimation::regular);
+  };
+}
+
+Decimator adaptive_decimator() {
+  return [](const TriangleMesh& finer, const TriangleMesh&, std::int64_t faces) {
+    return makers::decimate_or_throw(finer, faces, makers::Decimation::adaptive);
+  };
+}
+
+}  // namespace encage
