@@ -94,7 +94,7 @@ TriangleMesh ContactSolver::mesh() const {
 }
 
 ContactSolver::Places ContactSolver::approach(const Obstacle& obstacle, const Places& wanted) {
-  const Step step{obstacle, obstacle, false};
+  const Step step{obstacle, obstacle, false, 0};
   Places y;
   resolve(step, wanted, y);
   retreat(step, y);
@@ -102,8 +102,8 @@ ContactSolver::Places ContactSolver::approach(const Obstacle& obstacle, const Pl
 }
 
 std::optional<ContactSolver::Places> ContactSolver::follow(const Obstacle& before, const Obstacle& after,
-                                                           const Places& wanted) {
-  const Step step{before, after, true};
+                                                           const Places& wanted, double reach) {
+  const Step step{before, after, true, reach};
   Places y;
   if (resolve(step, wanted, y)) return y;
   jammed_.clear();
@@ -147,7 +147,11 @@ void ContactSolver::begin(const Step& step) {
   }
   sort_unique(known_);
   contacts_.clear();
-  for (const Pair& pair : known_) add_contact(step, pair, false);
+  if (step.reach > 0) {
+    add_all_near(step);
+  } else {
+    for (const Pair& pair : known_) add_contact(step, pair, false);
+  }
   tested_ = place_;
   hits_.clear();
   test_all_ = step.moves;
@@ -159,8 +163,8 @@ void ContactSolver::add_contact(const Step& step, const Pair& pair, bool strict)
   if (pair.other >= 0) {
     add_obstacle_contact(step, pair, strict);
   } else if (pair.other != -1 - pair.face) {
-    add_self_contact(pair);
     if (strict) strict_.push_back(pair);
+    add_self_contact(pair, strict);
   }
 }
 
@@ -195,7 +199,7 @@ void ContactSolver::add_obstacle_contact(const Step& step, const Pair& pair, boo
   contacts_.push_back(c);
 }
 
-void ContactSolver::add_self_contact(const Pair& pair) {
+void ContactSolver::add_self_contact(const Pair& pair, bool strict) {
   const Index3& index_s = face_[pair.face];
   const Index3& index_t = face_[-1 - pair.other];
   const Corners s = corners(place_, pair.face);
@@ -207,8 +211,14 @@ void ContactSolver::add_self_contact(const Pair& pair) {
   const Point across = at(s, closest.weight_s) - at(t, closest.weight_t);
   const double distance = across.norm();
   if (!(distance > 0)) return;
-  Contact c{pair, across / distance, {}, {}, 6, std::min(kLift * options_.self_clearance, distance), 0, 0};
-  if (neighbours) c.offset = std::min(c.offset, distance / 2);
+  const double gap = std::min(kLift * options_.self_clearance, neighbours ? distance / 2 : distance);
+  if (strict && !neighbours) {
+    for (const std::int32_t a : index_s) {
+      for (const std::int32_t b : index_t) add_pair(pair, across / distance, a, b, gap);
+    }
+    return;
+  }
+  Contact c{pair, across / distance, {}, {}, 6, gap, 0, 0};
   for (int k = 0; k < 3; ++k) {
     c.vertex[k] = index_s[k];
     c.weight[k] = closest.weight_s[k];
@@ -217,6 +227,40 @@ void ContactSolver::add_self_contact(const Pair& pair) {
   }
   for (int k = 0; k < c.count; ++k) c.norm2 += c.weight[k] * c.weight[k];
   contacts_.push_back(c);
+}
+
+/// Vertex a stays above vertex b.
+void ContactSolver::add_pair(const Pair& pair, const Point& normal, std::int32_t a, std::int32_t b, double gap) {
+  Contact c{pair, normal, {}, {}, 2, gap, 2, 0};
+  c.vertex[0] = a;
+  c.weight[0] = 1;
+  c.vertex[1] = b;
+  c.weight[1] = -1;
+  contacts_.push_back(c);
+}
+
+void ContactSolver::add_all_near(const Step& step) {
+  constexpr std::size_t most = 256;  // a face; others are found as they touch
+  known_.clear();
+  std::vector<std::int32_t> near;
+  for (std::size_t i = 0; i < face_.size(); ++i) {
+    const auto f = static_cast<std::int32_t>(i);
+    const Corners mine = corners(place_, f);
+    const Prism prism(mine);
+    near.clear();
+    step.before.highest_hits(prism, step.reach, most, near);
+    for (const std::int32_t t : near) known_.push_back({f, t});
+    tree_.traverse(step.before.near(prism, step.reach), [&](std::int32_t other) {
+      if (other <= f) return;
+      if (!separated(face_[f], mine, face_[other], corners(place_, other), step.reach)) {
+        known_.push_back({f, -1 - other});
+      }
+    });
+  }
+  work_ += static_cast<std::int64_t>(face_.size());
+  sort_unique(known_);
+  for (const Pair& pair : known_) add_contact(step, pair, true);
+  sort_unique(strict_);
 }
 
 /// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers.
@@ -314,6 +358,8 @@ void ContactSolver::retreat(const Step& step, Places& y) {
       if (pair.other >= 0) continue;
       for (const std::int32_t v : face_[-1 - pair.other]) y[v] = place_[v];
     }
+    // Faces that are back where they were touch nothing that is too.
+    hits_.clear();
     retest(step, y);
     if (hits_.empty()) add_lost_cones(y);
   }

@@ -43,8 +43,9 @@ class ContactSolver {
   Places approach(const Obstacle& obstacle, const Places& wanted);
 
   /// The same while the obstacle moves from `before` (where the present state is valid) to `after`. No value if
-  /// faces still touch: jammed() are the faces. Both obstacles are of one mesh.
-  std::optional<Places> follow(const Obstacle& before, const Obstacle& after, const Places& wanted);
+  /// faces still touch: jammed() are the faces. Both obstacles are of one mesh. With a `reach` above 0, planes
+  /// are put between all that is as near as that, before it meets: slow, but what follows a small motion.
+  std::optional<Places> follow(const Obstacle& before, const Obstacle& after, const Places& wanted, double reach = 0);
   const std::vector<std::int32_t>& jammed() const { return jammed_; }
 
   /// True if a step from the present state to `places`, free of contacts, has not passed a component of the
@@ -81,6 +82,7 @@ class ContactSolver {
     const Obstacle& before;
     const Obstacle& after;
     bool moves;
+    double reach;
   };
 
   Corners corners(const Places& y, std::int32_t f) const { return {y[face_[f][0]], y[face_[f][1]], y[face_[f][2]]}; }
@@ -89,7 +91,9 @@ class ContactSolver {
   void project(const Places& wanted, Places& y);
   void add_contact(const Step& step, const Pair& pair, bool strict);
   void add_obstacle_contact(const Step& step, const Pair& pair, bool strict);
-  void add_self_contact(const Pair& pair);
+  void add_self_contact(const Pair& pair, bool strict);
+  void add_pair(const Pair& pair, const Point& normal, std::int32_t a, std::int32_t b, double gap);
+  void add_all_near(const Step& step);
   void retest(const Step& step, const Places& y);
   void test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found) const;
   void retreat(const Step& step, Places& y);

@@ -8,6 +8,10 @@ namespace encage::makers {
 
 namespace {
 
+constexpr double kFirstStep = 0.03;  // of the edges' length
+// Steps along the obstacle zigzag without it, and gain half as much.
+constexpr double kMomentum = 0.8;
+
 Vertices to_matrix(const ContactSolver::Places& places) {
   Vertices matrix(static_cast<std::int64_t>(places.size()), 3);
   for (std::size_t v = 0; v < places.size(); ++v) matrix.row(static_cast<std::int64_t>(v)) = places[v].transpose();
@@ -37,6 +41,7 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
   double value = request.energy->value(state(cage));
   const double first_value = value;
   double step = -1;
+  ContactSolver::Places last;  // where the cage was before the last step; empty: start afresh
   for (int iteration = 0; iteration < request.iterations && solver.work() < last_work; ++iteration) {
     solver.options().check();
     const Vertices direction = request.energy->descent(state(cage));
@@ -44,21 +49,25 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
     if (!(longest > 0)) break;
     // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does
     // as well, since steps adapt.
-    if (step < 0) step = request.energy->first_step().value_or(0.06 * edge_length(solver) / longest);
+    if (step < 0) step = request.energy->first_step().value_or(kFirstStep * edge_length(solver) / longest);
     if (step * longest < solver.options().clearance * 0.1) break;
     const double slope = -(request.energy->gradient(state(cage)).array() * direction.array()).sum();
     ContactSolver::Places wanted = solver.places();
     for (std::size_t v = 0; v < wanted.size(); ++v) {
       wanted[v] += step * direction.row(static_cast<std::int64_t>(v)).transpose();
+      if (!last.empty()) wanted[v] += kMomentum * (solver.places()[v] - last[v]);
     }
     ContactSolver::Places next = solver.approach(obstacle, wanted);
     const Vertices next_cage = to_matrix(next);
     const double before = value;
     const double after = request.energy->value(state(next_cage));
     if (after < before && solver.encloses_all(obstacle, next)) {
+      last = solver.places();
       solver.commit(std::move(next));
       cage = next_cage;
       value = after;
+    } else {
+      last.clear();
     }
     if (before - value < 0.02 * step * slope) step *= 0.6;
     if (before - value < 1e-5 * (first_value - value) && iteration > 3) break;

@@ -88,7 +88,9 @@ class Obstacle {
   /// (higher ones belong to other parts) and at least `height`.
   double highest(const Prism& prism, double ceiling, double height) const;
 
-  /// Points, one a component, within a box.
+  /// Points, one a component.
+  const std::vector<Point>& representatives() const { return representative_; }
+  /// Those within a box.
   void representatives(const Eigen::AlignedBox3d& box, std::vector<Point>& found) const;
 
   /// Number of triangles tested so far by this thread's queries: the unit of work budgets.

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/nested/coarse_sources.h"
+
+#include <encage/error.h>
+
+#include "cagegen/collapse/starts.h"
+#include "cagegen/decimate/decimate.h"
+#include "cagegen/geometry/rounding.h"
+
+namespace encage::makers {
+
+namespace {
+
+constexpr double kWrapOffset = 1.0 / 12;  // of the wrap's alpha
+constexpr double kGap = 10;               // clearances between parts of a coarse mesh
+
+/// Parts inside others, and voids, are not worth a cage's triangles.
+std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
+  if (!mesh) return std::nullopt;
+  *mesh = outermost_components(*mesh);
+  if (mesh->triangles.rows() < 4) return std::nullopt;
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedRequest& request,
+                                         const std::function<void()>& check) {
+  std::vector<CoarseSource> sources;
+  const double gap = kGap * request.clearance;
+  if (request.coarse != nullptr) {
+    return {{"user", [&request]() -> std::optional<TriangleMesh> {
+               TriangleMesh mesh = *request.coarse;
+               round_vertices(mesh);
+               return mesh;
+             }}};
+  }
+  const auto wrap = [&obstacle, &request](double parameter) {
+    const double alpha = request.diagonal / parameter;
+    return wrap_start(obstacle, *request.clean, alpha, alpha * kWrapOffset, request.clearance);
+  };
+  if (request.decimator) {
+    sources.push_back({"decimator", [=, &request]() -> std::optional<TriangleMesh> {
+                         const TriangleMesh& undeformed =
+                             request.undeformed != nullptr ? *request.undeformed : *request.clean;
+                         if (request.manifold) {
+                           return usable(request.decimator(*request.clean, undeformed, request.faces));
+                         }
+                         const auto stand_in = wrap(100);
+                         if (!stand_in) return std::nullopt;
+                         return usable(request.decimator(*stand_in, *stand_in, request.faces));
+                       }});
+    return sources;
+  }
+  if (request.manifold && request.topology != Topology::simplify) {
+    for (const auto& [name, kind] : {std::pair{"regular", Decimation::regular}, {"adaptive", Decimation::adaptive}}) {
+      sources.push_back(
+          {name, [=, &request] { return usable(decimate(*request.clean, request.faces, kind, gap, check)); }});
+    }
+  }
+  if (request.topology == Topology::keep) return sources;
+  const double fine = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 20;
+  for (const double parameter : {100.0, 50.0, 20.0, 10.0, 5.0}) {
+    if (parameter > fine) continue;
+    sources.push_back({"wrap/" + std::to_string(static_cast<int>(parameter)),
+                       [=, &request]() -> std::optional<TriangleMesh> {
+                         const auto surface = wrap(parameter);
+                         if (!surface || surface->triangles.rows() <= request.faces) return usable(surface);
+                         return usable(decimate(*surface, request.faces, Decimation::regular, gap, check));
+                       }});
+  }
+  return sources;
+}
+
+}  // namespace encage::makers

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/mesh.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cagegen/nested/nested_level.h"
+
+namespace encage::makers {
+
+/// A way to a coarse mesh.
+struct CoarseSource {
+  std::string name;                                   ///< "regular", "wrap/20", ...
+  std::function<std::optional<TriangleMesh>()> make;  ///< closed, embedded, float32; no value: it cannot be had
+};
+
+/// What to try for a level, in this order. What is made lives as long as `obstacle` and `request`.
+std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedRequest& request,
+                                         const std::function<void()>& check);
+
+}  // namespace encage::makers

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/nested/nested_level.h"
+
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include "cagegen/collapse/collapse.h"
+#include "cagegen/contact/minimize.h"
+#include "cagegen/flow/flow.h"
+#include "cagegen/nested/coarse_sources.h"
+#include "cagegen/nested/reinflate.h"
+
+namespace encage::makers {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kFlowGap = 1e-4;    // diagonals that F keeps to the coarse mesh; at least
+constexpr double kFlowClearances = 4;  // clearances
+constexpr double kSelfClearance = 6;   // clearances: the next level must fit between two strands of this one
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+class NestedLevel {
+ public:
+  NestedLevel(const Obstacle& obstacle, const NestedRequest& request, Control& control)
+      : obstacle_(obstacle), request_(request), control_(control) {}
+
+  std::optional<NestedResult> run(const std::function<bool(const Candidate&)>& accept, std::string& failure) {
+    const auto check = [this] { control_.throw_if_cancelled(); };
+    for (const CoarseSource& source : coarse_sources(obstacle_, request_, check)) {
+      check();
+      auto coarse = source.make();
+      if (!coarse) {
+        fail(source.name, "no coarse mesh of " + std::to_string(request_.faces) +
+                              " faces without self-intersection comes of it", failure);
+        continue;
+      }
+      NestedResult result;
+      result.candidate.start = source.name;
+      std::string reason;
+      if (!nest(*coarse, result, reason)) {
+        fail(source.name, reason, failure);
+        continue;
+      }
+      result.undeformed = std::move(*coarse);
+      if (accept(result.candidate)) return result;
+      fail(source.name, "the certificate refuses the cage", failure);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void fail(const std::string& source, const std::string& reason, std::string& failure) const {
+    if (request_.log) request_.log("flow: coarse mesh '" + source + "': " + reason);
+    failure = source + ": " + reason;
+  }
+
+  bool nest(const TriangleMesh& coarse, NestedResult& result, std::string& reason) {
+    const auto start = Clock::now();
+    FlowRequest flow_request;
+    flow_request.fine = request_.inner;
+    flow_request.coarse = &coarse;
+    flow_request.diagonal = request_.diagonal;
+    flow_request.gap = std::max(kFlowGap * request_.diagonal, kFlowClearances * request_.clearance);
+    flow_request.threads = request_.threads;
+    flow_request.check = [this] { control_.throw_if_cancelled(); };
+    const FlowResult flowed = flow(flow_request);
+    result.flow_seconds += seconds_since(start);
+    if (!flowed.inside) {
+      reason = "the flow stalls: " + std::to_string(flowed.stuck.size()) + " triangles stay outside after " +
+               std::to_string(flowed.history.steps()) + " steps";
+      return false;
+    }
+    if (flowed.smoothing_steps > 0 && request_.log) {
+      request_.log("flow: coarse mesh '" + result.candidate.start + "': the flowing mesh was smoothed " +
+                   std::to_string(flowed.smoothing_steps) + " times");
+    }
+    const auto inflate_start = Clock::now();
+    const bool nested = inflate(coarse, flowed, result, reason);
+    result.reinflate_seconds += seconds_since(inflate_start);
+    return nested;
+  }
+
+  bool inflate(const TriangleMesh& coarse, const FlowResult& flowed, NestedResult& result, std::string& reason) {
+    ContactOptions options;
+    options.clearance = request_.clearance;
+    options.self_clearance = kSelfClearance * request_.clearance;
+    options.threads = request_.threads;
+    options.check = [this] { control_.throw_if_cancelled(); };
+    ContactSolver solver(coarse, options);
+    ReinflateRequest reinflation;
+    reinflation.fine = request_.inner;
+    reinflation.rest = &coarse;
+    reinflation.flowed = &flowed;
+    reinflation.energy = request_.inflate.get();
+    reinflation.path = request_.path;
+    const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
+    if (!reached.reached) {
+      reason = reached.failure;
+      return false;
+    }
+    if (request_.log && reached.reliefs > 0) {
+      request_.log("flow: coarse mesh '" + result.candidate.start + "': pinched, and relieved " +
+                   std::to_string(reached.reliefs) + " times");
+    }
+    result.candidate.cage = finish(std::move(solver), coarse, options);
+    result.candidate.volume = signed_volume(result.candidate.cage);
+    return true;
+  }
+
+  /// The final energy; for the volume, vertex by vertex too.
+  TriangleMesh finish(ContactSolver solver, const TriangleMesh& coarse, const ContactOptions& options) const {
+    MinimizeRequest minimization;
+    minimization.fine = request_.inner;
+    minimization.rest = &coarse;
+    minimization.energy = request_.final.get();
+    const bool volume = request_.final->name() == "volume";
+    const bool small = request_.faces <= 1000;
+    for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
+      minimize(solver, obstacle_, minimization);
+      if (!volume) continue;
+      EditorOptions editing;
+      editing.clearance = options.clearance;
+      editing.self_clearance = options.self_clearance;
+      CageEditor editor(obstacle_, solver.mesh(), editing);
+      tighten(editor);
+      solver = ContactSolver(editor.extract(), options);
+    }
+    return solver.mesh();
+  }
+
+  const Obstacle& obstacle_;
+  const NestedRequest& request_;
+  Control& control_;
+};
+
+}  // namespace
+
+std::optional<NestedResult> build_nested_level(const Obstacle& obstacle, const NestedRequest& request,
+                                               Control& control,
+                                               const std::function<bool(const Candidate&)>& accept,
+                                               std::string& failure) {
+  return NestedLevel(obstacle, request, control).run(accept, failure);
+}
+
+}  // namespace encage::makers
