@@ -12,6 +12,7 @@
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/bake_options.h"
 #include "cagegen/tool/command.h"
+#include "cagegen/tool/flow_options.h"
 #include "cagegen/tool/interrupt.h"
 #include "cagegen/tool/output_file.h"
 #include "cagegen/tool/progress.h"
@@ -26,7 +27,11 @@ constexpr const char* examples = R"(Examples:
   encage bake model.obj -o cages.glb --faces 8000,2000,500
       three nested cages of at most that many triangles
   encage bake model.obj --ratio 0.25 --levels 4 --json bake.json
-      four cages, each with a quarter of the faces of the one before; figures as JSON)";
+      four cages, each with a quarter of the faces of the one before; figures as JSON
+  encage bake model.obj --method flow --decimator adaptive --faces 2000,500 --keep-partial
+      cages by flow and re-inflation; if the second fails, the first is written, with exit status 1
+  encage bake model.obj --coarse fine.obj,coarse.obj
+      turns two meshes of your own into cages, the second around the first)";
 
 struct BakeArguments {
   std::filesystem::path input;
@@ -37,6 +42,7 @@ struct BakeArguments {
   double time_limit = 0;
   bool no_source = false;
   BakeOptions options;
+  FlowOptions flow;
 };
 
 /// Both ends excluded. (CLI::Range includes them, and accepts NaN.)
@@ -87,10 +93,11 @@ std::filesystem::path checked_output(const BakeArguments& arguments) {
   return output;
 }
 
-BakedMesh read_and_bake(const BakeArguments& arguments) {
+BakedMesh read_and_bake(BakeArguments& arguments) {
   Progress progress = Progress::on_stderr();
   progress.update(0, "reading");
   const TriangleMesh mesh = read_mesh(arguments.input);
+  arguments.flow.read_coarse(arguments.options);
   throw_if_interrupted();
   progress.update(0, "sanitizing");
   BakedMesh baked = bake_mesh(arguments.input, mesh, arguments.options, progress.context(&interrupted));
@@ -107,16 +114,8 @@ void print_bake(const BakeArguments& arguments, const std::filesystem::path& out
   std::cout << "wrote " << output.string() << '\n';
 }
 
-void run_bake(const BakeArguments& arguments) {
-  const auto began = std::chrono::steady_clock::now();
-  const InterruptScope scope;
-  const std::filesystem::path output = checked_output(arguments);
-  const BakedMesh baked = read_and_bake(arguments);
-  write_certified_asset(output, baked.hierarchy);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  print_bake(arguments, output, baked);
-  if (arguments.json.empty()) return;
-
+void write_figures(const BakeArguments& arguments, const std::filesystem::path& output, const BakedMesh& baked,
+                   double seconds) {
   const Usage usage = process_usage();
   nlohmann::ordered_json json = {{"input", arguments.input.string()}, {"output", output.string()}};
   json.update(to_json(baked));
@@ -127,9 +126,25 @@ void run_bake(const BakeArguments& arguments) {
   write_json(arguments.json, json);
 }
 
+/// The exit status.
+int run_bake(BakeArguments& arguments) {
+  const auto began = std::chrono::steady_clock::now();
+  const InterruptScope scope;
+  const std::filesystem::path output = checked_output(arguments);
+  const BakedMesh baked = read_and_bake(arguments);
+  write_certified_asset(output, baked.hierarchy);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  print_bake(arguments, output, baked);
+  if (!arguments.json.empty()) write_figures(arguments, output, baked, seconds);
+  if (baked.report.failure.empty()) return success;
+  std::cerr << "encage: " << arguments.input.string() << ": " << baked.report.failure << "; " << output.string()
+            << " holds the levels before\n";
+  return answer_is_no;
+}
+
 }  // namespace
 
-void add_bake(CLI::App& app, int& /*status*/) {
+void add_bake(CLI::App& app, int& status) {
   CLI::App* bake = app.add_subcommand("bake", "Bake certified nested cages around a mesh");
   bake->footer(examples);
   const auto a = std::make_shared<BakeArguments>();
@@ -146,6 +161,7 @@ void add_bake(CLI::App& app, int& /*status*/) {
                             ->excludes(faces)
                             ->type_name("N");
   add_method(*bake, a->options);
+  a->flow.add(*bake, a->options, {faces, ratio, levels});
   add_topology(*bake, a->options);
   bake->add_option("--min-clearance", a->options.min_clearance,
                    "Least distance between consecutive surfaces, in diagonals of the source (default 1e-5)")
@@ -156,14 +172,17 @@ void add_bake(CLI::App& app, int& /*status*/) {
       bake->add_option("--time-limit", a->time_limit, "Stop improving after so many seconds; the result may then vary")
           ->check(between(0, 1e9, "a number of seconds above 0"))
           ->type_name("S");
+  bake->add_flag("--keep-partial", a->options.keep_partial,
+                 "If a level cannot be made, write those before it; the exit status is 1");
   bake->add_flag("--no-source", a->no_source, "Leave the source mesh (level 0) out of the asset");
   bake->add_option("--json", a->json, "Write the figures as JSON")->type_name("FILE");
-  bake->callback([=] {
+  bake->callback([=, &status] {
+    a->flow.check(a->options);
     if (*ratio) a->options.ratio = a->ratio;
     if (*levels) a->options.level_count = a->levels;
     if (*time_limit) a->options.time_limit = a->time_limit;
     a->options.keep_fine = !a->no_source;
-    run_bake(*a);
+    status = run_bake(*a);
   });
 }
 

@@ -49,10 +49,14 @@ Json to_json(const BakedMesh& baked) {
   source["vertices"] = baked.input_vertices;
   source["sanitize"] = to_json(baked.source.report);
   for (std::size_t i = 0; i < baked.hierarchy.levels.size(); ++i) {
-    json["levels"][i]["seconds"] = baked.report.levels.at(i).seconds;
+    const BakeReport::Level& times = baked.report.levels.at(i);
+    json["levels"][i]["seconds"] = times.seconds;
+    json["levels"][i]["flow_seconds"] = times.flow_seconds;
+    json["levels"][i]["reinflate_seconds"] = times.reinflate_seconds;
     // bake() returns certified cages only; a clearance above 0 is part of each certificate.
     json["levels"][i]["certified"] = baked.hierarchy.levels[i].certificate.clearance > 0;
   }
+  if (!baked.report.failure.empty()) json["failure"] = baked.report.failure;
   return json;
 }
 

@@ -26,8 +26,8 @@ TriangleMesh read_mesh(const std::filesystem::path& file);
 BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
                     const BakeContext& context);
 
-/// The keys of the asset (cage_json.h), with the seconds of each level and more
-/// about the source.
+/// The keys of the asset (cage_json.h), with the seconds of each level, more about the source and, if a level
+/// failed and those before it were kept, `failure`.
 nlohmann::ordered_json to_json(const BakedMesh& baked);
 
 /// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.

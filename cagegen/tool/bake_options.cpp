@@ -3,24 +3,9 @@
 
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <string>
 
 namespace encage::tool {
-
-namespace {
-
-/// An option whose values are words.
-template <class T>
-CLI::Option* add_choice(CLI::App& app, const std::string& option, T& target, const std::map<std::string, T>& words,
-                        const std::string& description) {
-  return app
-      .add_option_function<std::string>(
-          option, [&target, words](const std::string& word) { target = words.at(word); }, description)
-      ->check(CLI::IsMember(words).description(""));
-}
-
-}  // namespace
 
 CLI::Option* add_faces(CLI::App& app, BakeOptions& options) {
   constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
@@ -31,11 +16,17 @@ CLI::Option* add_faces(CLI::App& app, BakeOptions& options) {
       ->allow_extra_args(false);
 }
 
+const std::map<std::string, BakeMethod>& method_names() {
+  static const std::map<std::string, BakeMethod> names = {
+      {"auto", BakeMethod::automatic}, {"flow", BakeMethod::flow}, {"collapse", BakeMethod::collapse}};
+  return names;
+}
+
 CLI::Option* add_method(CLI::App& app, BakeOptions& options) {
-  return add_choice<BakeMethod>(app, "--method", options.method,
-                                {{"auto", BakeMethod::automatic}, {"collapse", BakeMethod::collapse}},
-                                "How cages are made; by default auto, which tries all methods")
-      ->type_name("auto|collapse");
+  return add_choice(app, "--method", options.method, method_names(),
+                    "How cages are made: flow and re-inflation, conservative collapse, or auto (default), which "
+                    "keeps the tighter of the two")
+      ->type_name("auto|flow|collapse");
 }
 
 CLI::Option* add_topology(CLI::App& app, BakeOptions& options) {

@@ -147,13 +147,15 @@ struct BakeOptions {
   BakeMethod method = BakeMethod::automatic;
   /// any: whatever is tightest; keep: the genus of the source; simplify: prefer fewer handles.
   Topology topology = Topology::any;
-  /// Of the flow. Empty: regular, then adaptive, and alpha wraps where they fail.
+  /// Of the flow, hence not for the method collapse. Empty: regular, then adaptive, and alpha wraps where they fail.
   Decimator decimator;
   std::string decimator_name;  ///< recorded in the asset: "regular", "adaptive" or a name of yours
   /// Of the flow: coarse meshes made by the user, fine to coarse, in the source's frame, in place of decimations;
   /// closed, oriented, manifold, free of self-intersection. Excludes `faces`, `ratio`, `level_count`, `decimator`
   /// and the method collapse.
   std::vector<TriangleMesh> coarse;
+  std::vector<std::string> coarse_names;  ///< of `coarse`, for messages; may be empty
+  /// Of the flow, hence not for the method collapse.
   EnergyPtr energy_inflate;  ///< minimised while F goes back to its place; null: step_energy()
   EnergyPtr energy_final;    ///< minimised afterwards; null: volume_energy()
   FlowPath path = FlowPath::straight;

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/bake.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "cagegen/bake/chain.h"
+#include "cagegen/bake/coarse_meshes.h"
+#include "cagegen/bake/level_maker.h"
+#include "cagegen/bake/options.h"
+#include "cagegen/geometry/rounding.h"
+
+namespace encage {
+
+namespace {
+
+/// Everything but the levels.
+CageHierarchy describe_source(const SourceMesh& source, bool keep_fine) {
+  CageHierarchy result;
+  result.origin = source.origin;
+  result.solid = source.solid;
+  result.source_hash = source.hash;
+  result.source_volume = source.volume;
+  result.diagonal = source.diagonal;
+  result.cap_count = source.cap_count;
+  TriangleMesh fine = source.obstacle;
+  makers::round_vertices(fine);
+  for (std::int32_t v = 0; v < fine.vertices.rows(); ++v) {
+    result.fine_error = std::max(result.fine_error, (fine.vertex(v) - source.obstacle.vertex(v)).norm());
+  }
+  result.fine_error *= 1 + 1e-12;  // the norm itself is rounded
+  if (keep_fine) result.fine = std::move(fine);
+  return result;
+}
+
+/// Makes one chain after the other and keeps the best.
+Chain compete(LevelMaker& maker, const std::vector<Recipe>& recipes, const BakeContext& context) {
+  std::vector<Chain> chains;
+  bool any_levels = false;
+  for (const Recipe& recipe : recipes) {
+    if (any_levels && maker.expired()) break;
+    chains.push_back(make_chain(maker, recipe, {chains.size(), recipes.size(), any_levels}));
+    any_levels = any_levels || !chains.back().levels.empty();
+    const std::string& failure = chains.back().failure;
+    if (!failure.empty() && recipes.size() > 1 && context.log) context.log(recipe.name + ": " + failure);
+  }
+  return best_chain(std::move(chains));
+}
+
+}  // namespace
+
+CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const BakeContext& context,
+                   BakeReport* report) {
+  const auto start = std::chrono::steady_clock::now();
+  validate(options);
+  const std::vector<TriangleMesh> coarse = local_coarse_meshes(options, source);
+  const std::int64_t source_faces = source.clean.triangles.rows();
+  const std::vector<std::int64_t> faces = level_faces(options, source_faces, context.log);
+  CageHierarchy result = describe_source(source, options.keep_fine);
+  result.options = options_json(options, faces);
+
+  LevelMaker maker(source, options, context);
+  Chain chain = compete(maker, recipes(options, faces, coarse, source_faces), context);
+  if (!chain.failure.empty()) {
+    if (!options.keep_partial || chain.levels.empty()) throw Error(chain.failure);
+    if (context.log) context.log("only the levels before are kept: " + chain.failure);
+  }
+  for (const std::string& message : chain.skipped) {
+    if (context.log) context.log(message);
+  }
+  BakeReport measured;
+  for (MadeLevel& made : chain.levels) {
+    result.levels.push_back(std::move(made.level));
+    measured.levels.push_back(made.times);
+  }
+  result.truncated = maker.out_of_time();
+  measured.failure = chain.failure;
+  measured.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (report != nullptr) *report = std::move(measured);
+  return result;
+}
+
+CageHierarchy bake(const TriangleMesh& input, const BakeOptions& options, const BakeContext& context,
+                   BakeReport* report) {
+  validate(options);
+  return bake(sanitize(input), options, context, report);
+}
+
+}  // namespace encage
