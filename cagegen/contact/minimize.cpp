@@ -40,6 +40,7 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
   };
   double value = request.energy->value(state(cage));
   const double first_value = value;
+  double recent = 0;  // gain of the last steps, the latest counting most
   double step = -1;
   ContactSolver::Places last;  // where the cage was before the last step; empty: start afresh
   for (int iteration = 0; iteration < request.iterations && solver.work() < last_work; ++iteration) {
@@ -50,7 +51,7 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
     // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does
     // as well, since steps adapt.
     if (step < 0) step = request.energy->first_step().value_or(kFirstStep * edge_length(solver) / longest);
-    if (step * longest < solver.options().clearance * 0.1) break;
+    if (step * longest < solver.options().clearance * 0.3) break;
     const double slope = -(request.energy->gradient(state(cage)).array() * direction.array()).sum();
     ContactSolver::Places wanted = solver.places();
     for (std::size_t v = 0; v < wanted.size(); ++v) {
@@ -70,7 +71,8 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
       last.clear();
     }
     if (before - value < 0.02 * step * slope) step *= 0.6;
-    if (before - value < 1e-5 * (first_value - value) && iteration > 3) break;
+    recent = 0.5 * (recent + before - value);
+    if (recent < request.enough * (first_value - value) && iteration > 3) break;
   }
 }
 

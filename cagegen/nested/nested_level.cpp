@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/nested_level.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <utility>
+#include <vector>
 
 #include "cagegen/collapse/collapse.h"
 #include "cagegen/contact/minimize.h"
@@ -17,9 +19,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kFlowGap = 1e-4;    // diagonals that F keeps to the coarse mesh; at least
-constexpr double kFlowClearances = 4;  // clearances
-constexpr double kSelfClearance = 6;   // clearances: the next level must fit between two strands of this one
+constexpr double kFlowGap = 1e-4;       // diagonals that F keeps to the coarse mesh; at least
+constexpr double kFlowClearances = 4;   // clearances
+constexpr std::int64_t kCompete = 300;  // faces up to which all coarse meshes are nested, and the tightest kept
+constexpr double kSelfClearance = 6;    // clearances: the next level must fit between two strands of this one
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -30,12 +33,15 @@ class NestedLevel {
 
   std::optional<NestedResult> run(const std::function<bool(const Candidate&)>& accept, std::string& failure) {
     const auto check = [this] { control_.throw_if_cancelled(); };
+    const bool compete = request_.faces <= kCompete;
+    std::vector<NestedResult> nested;
     for (const CoarseSource& source : coarse_sources(obstacle_, request_, check)) {
       check();
       auto coarse = source.make();
       if (!coarse) {
-        fail(source.name, "no coarse mesh of " + std::to_string(request_.faces) +
-                              " faces without self-intersection comes of it", failure);
+        fail(source.name,
+             "no coarse mesh of " + std::to_string(request_.faces) + " faces without self-intersection comes of it",
+             failure);
         continue;
       }
       NestedResult result;
@@ -46,8 +52,16 @@ class NestedLevel {
         continue;
       }
       result.undeformed = std::move(*coarse);
-      if (accept(result.candidate)) return result;
-      fail(source.name, "the certificate refuses the cage", failure);
+      nested.push_back(std::move(result));
+      if (!compete) break;
+    }
+    std::stable_sort(nested.begin(), nested.end(), [](const NestedResult& a, const NestedResult& b) {
+      return a.candidate.volume < b.candidate.volume;
+    });
+    for (NestedResult& result : nested) {
+      finish(result);
+      if (accept(result.candidate)) return std::move(result);
+      fail(result.candidate.start, "the certificate refuses the cage", failure);
     }
     return std::nullopt;
   }
@@ -85,12 +99,7 @@ class NestedLevel {
   }
 
   bool inflate(const TriangleMesh& coarse, const FlowResult& flowed, NestedResult& result, std::string& reason) {
-    ContactOptions options;
-    options.clearance = request_.clearance;
-    options.self_clearance = kSelfClearance * request_.clearance;
-    options.threads = request_.threads;
-    options.check = [this] { control_.throw_if_cancelled(); };
-    ContactSolver solver(coarse, options);
+    ContactSolver solver(coarse, contact_options());
     ReinflateRequest reinflation;
     reinflation.fine = request_.inner;
     reinflation.rest = &coarse;
@@ -106,30 +115,51 @@ class NestedLevel {
       request_.log("flow: coarse mesh '" + result.candidate.start + "': pinched, and relieved " +
                    std::to_string(reached.reliefs) + " times");
     }
-    result.candidate.cage = finish(std::move(solver), coarse, options);
+    minimize_final(solver, coarse);
+    result.candidate.cage = solver.mesh();
     result.candidate.volume = signed_volume(result.candidate.cage);
     return true;
   }
 
-  /// The final energy; for the volume, vertex by vertex too.
-  TriangleMesh finish(ContactSolver solver, const TriangleMesh& coarse, const ContactOptions& options) const {
+  void minimize_final(ContactSolver& solver, const TriangleMesh& rest) const {
     MinimizeRequest minimization;
     minimization.fine = request_.inner;
-    minimization.rest = &coarse;
+    minimization.rest = &rest;
     minimization.energy = request_.final.get();
+    minimize(solver, obstacle_, minimization);
+  }
+
+  /// More of the final energy, from long steps again, which frees coarse cages; for the volume, vertex by vertex too.
+  void finish(NestedResult& result) const {
+    const auto start = Clock::now();
+    TriangleMesh& cage = result.candidate.cage;
     const bool volume = request_.final->name() == "volume";
-    const bool small = request_.faces <= 1000;
-    for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
-      minimize(solver, obstacle_, minimization);
+    const int passes = request_.faces <= 1000 ? 2 : 0;
+    for (int pass = 0; pass <= passes; ++pass) {
+      if (pass > 0) {
+        ContactSolver solver(cage, contact_options());
+        minimize_final(solver, result.undeformed);
+        cage = solver.mesh();
+      }
       if (!volume) continue;
       EditorOptions editing;
-      editing.clearance = options.clearance;
-      editing.self_clearance = options.self_clearance;
-      CageEditor editor(obstacle_, solver.mesh(), editing);
+      editing.clearance = request_.clearance;
+      editing.self_clearance = kSelfClearance * request_.clearance;
+      CageEditor editor(obstacle_, cage, editing);
       tighten(editor);
-      solver = ContactSolver(editor.extract(), options);
+      cage = editor.extract();
     }
-    return solver.mesh();
+    result.candidate.volume = signed_volume(cage);
+    result.reinflate_seconds += seconds_since(start);
+  }
+
+  ContactOptions contact_options() const {
+    ContactOptions options;
+    options.clearance = request_.clearance;
+    options.self_clearance = kSelfClearance * request_.clearance;
+    options.threads = request_.threads;
+    options.check = [this] { control_.throw_if_cancelled(); };
+    return options;
   }
 
   const Obstacle& obstacle_;
@@ -139,8 +169,7 @@ class NestedLevel {
 
 }  // namespace
 
-std::optional<NestedResult> build_nested_level(const Obstacle& obstacle, const NestedRequest& request,
-                                               Control& control,
+std::optional<NestedResult> build_nested_level(const Obstacle& obstacle, const NestedRequest& request, Control& control,
                                                const std::function<bool(const Candidate&)>& accept,
                                                std::string& failure) {
   return NestedLevel(obstacle, request, control).run(accept, failure);
