@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kRounds = 8;     // of contact generation in one step
 constexpr int kSweeps = 60;    // of projected Gauss-Seidel in one solve
+constexpr int kSlowSweeps = 400;
 constexpr double kLift = 1.6;  // clearances that a contact asks for
 constexpr std::size_t kHitLimit = 24;
 constexpr double kThinnest = 1e-4;
@@ -120,7 +121,7 @@ bool ContactSolver::resolve(const Step& step, const Places& wanted, Places& y) {
   begin(step);
   for (int round = 0; round < kRounds; ++round) {
     options_.check();
-    project(wanted, y);
+    project(wanted, step.reach > 0 ? kSlowSweeps : kSweeps, y);
     for (Point& p : y) p = round_to_float(p);
     retest(step, y);
     if (hits_.empty()) return true;
@@ -264,14 +265,14 @@ void ContactSolver::add_all_near(const Step& step) {
 }
 
 /// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers.
-void ContactSolver::project(const Places& wanted, Places& y) {
+void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
   y = wanted;
   for (const Contact& c : contacts_) {
     if (c.multiplier == 0) continue;
     for (int k = 0; k < c.count; ++k) y[c.vertex[k]] += c.multiplier * c.weight[k] * c.normal;
   }
   const double tolerance = 0.05 * options_.clearance;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
     double worst = 0;
     for (Contact& c : contacts_) {
       double value = 0;

@@ -34,6 +34,7 @@ class ContactSolver {
 
   const Places& places() const { return place_; }
   const ContactOptions& options() const { return options_; }
+  void set_self_clearance(double length) { options_.self_clearance = length; }
   TriangleMesh mesh() const;
   std::size_t face_count() const { return face_.size(); }
   const std::array<std::int32_t, 3>& face(std::size_t f) const { return face_[f]; }
@@ -88,7 +89,7 @@ class ContactSolver {
   Corners corners(const Places& y, std::int32_t f) const { return {y[face_[f][0]], y[face_[f][1]], y[face_[f][2]]}; }
   void begin(const Step& step);
   bool resolve(const Step& step, const Places& wanted, Places& y);
-  void project(const Places& wanted, Places& y);
+  void project(const Places& wanted, int sweeps, Places& y);
   void add_contact(const Step& step, const Pair& pair, bool strict);
   void add_obstacle_contact(const Step& step, const Pair& pair, bool strict);
   void add_self_contact(const Pair& pair, bool strict);

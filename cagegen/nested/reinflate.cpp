@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kStraightStep = 1.0 / 3;  // of the way
 constexpr double kFastest = 1.0 / 32;      // the fast solver's shortest step, in first steps
-constexpr double kShortest = 1.0 / 1024;   // the slow one's
-constexpr int kReliefs = 12;
+constexpr double kShortest = 1.0 / 512;    // the slow one's
+constexpr int kReliefs = 8;
+constexpr double kTightest = 0.3;  // clearances that the cage keeps to itself where it would jam
 constexpr int kEnergySteps = 3;  // of descent after each step of F
 
 class Reinflation {
@@ -46,6 +47,9 @@ class Reinflation {
       }
       ++result_.halvings;
       step /= 2;
+      if (step >= kFastest * first_step_) continue;
+      if (give_room()) continue;
+      if (slow) step /= 2;
       if (step >= kShortest * first_step_) continue;
       if (result_.reliefs >= kReliefs) {
         describe_failure(way);
@@ -118,6 +122,16 @@ class Reinflation {
     request.energy = request_.energy;
     request.iterations = kEnergySteps;
     minimize(solver_, before_, request);
+  }
+
+  /// Lets strands of the cage come closer to each other: room for coarser levels is lost there, which is better than
+  /// no cage.
+  bool give_room() {
+    const double tightest = kTightest * solver_.options().clearance;
+    if (solver_.options().self_clearance <= tightest) return false;
+    solver_.set_self_clearance(std::max(tightest, solver_.options().self_clearance / 4));
+    ++result_.reliefs;
+    return true;
   }
 
   /// Moves the jammed faces and what is around them outward, and evens them out, to make room.
