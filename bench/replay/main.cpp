@@ -6,11 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -18,9 +16,9 @@
 #include "bench/replay/fcl_engine.h"
 #include "bench/replay/mesh_shape.h"
 #include "bench/replay/replay.h"
-#include "cagegen/tool/command.h"
 #include "cagegen/tool/interrupt.h"
 #include "cagegen/tool/output_file.h"
+#include "cagegen/tool/program.h"
 #include "cagegen/tool/progress.h"
 
 namespace encage::replay {
@@ -137,39 +135,17 @@ int run(const Arguments& a) {
   });
   if (!a.json.empty()) tool::write_json(a.json, to_json(a, result));
   print(a, result);
-  if (!std::cout.flush()) throw Error("standard output: cannot write");
   print_disagreements(result.disagreements);
   return result.disagreements.empty() ? tool::success : tool::answer_is_no;
-}
-
-int parse_and_run(int argc, char** argv) {
-  CLI::App app("Replays recorded poses through collision engines: which pairs touch, and how long it takes.",
-               "encage-replay");
-  Arguments a;
-  define(app, a);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? tool::success : tool::bad_input;
-  }
-  return run(a);
 }
 
 }  // namespace
 }  // namespace encage::replay
 
 int main(int argc, char** argv) {
-  try {
-    return encage::replay::parse_and_run(argc, argv);
-  } catch (const encage::Cancelled&) {
-    std::cerr << "encage-replay: cancelled, nothing was written\n";
-    return encage::tool::cancelled;
-  } catch (const encage::Error& error) {
-    std::cerr << "encage-replay: " << error.what() << '\n';
-  } catch (const std::bad_alloc&) {
-    std::cerr << "encage-replay: out of memory\n";
-  } catch (const std::exception& error) {
-    std::cerr << "encage-replay: internal error: " << error.what() << '\n';
-  }
-  return encage::tool::bad_input;
+  CLI::App app("Replays recorded poses through collision engines: which pairs touch, and how long it takes.",
+               "encage-replay");
+  encage::replay::Arguments a;
+  encage::replay::define(app, a);
+  return encage::tool::run_program(app, argc, argv, [&] { return encage::replay::run(a); });
 }

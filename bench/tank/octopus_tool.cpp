@@ -4,7 +4,6 @@
 #include <encage/bake.h>
 
 #include <CLI/CLI.hpp>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -12,12 +11,11 @@
 #include "bench/tank/drift.h"
 #include "bench/tank/octopus.h"
 #include "bench/tank/seconds.h"
+#include "cagegen/tool/program.h"
 
 namespace {
 
 using encage::Error;
-
-constexpr int bad_input = 2;
 
 constexpr const char* description =
     "Makes an octopus: one closed surface, about 1 in radius, z up.\n"
@@ -39,7 +37,7 @@ struct Arguments {
   std::string dt = "1/480";
 };
 
-void run(Arguments& a) {
+int run(Arguments& a) {
   if (a.mesh.empty() && a.poses.empty()) throw Error("nothing to do: give -o or --poses");
   a.drift.dt = encage::tank::parse_seconds("--dt", a.dt);
   // Poses first: they check their arguments, and a mistake leaves no mesh behind.
@@ -54,6 +52,7 @@ void run(Arguments& a) {
     encage::write_poses(a.poses, steps);
     std::cout << "wrote " << a.poses.string() << ": " << a.drift.bodies << " bodies, " << steps.size() << " steps\n";
   }
+  return encage::tool::success;
 }
 
 }  // namespace
@@ -68,14 +67,5 @@ int main(int argc, char** argv) {
   app.add_option("--bodies", a.drift.bodies, "Bodies")->capture_default_str()->type_name("N");
   app.add_option("--steps", a.drift.steps, "Time steps")->capture_default_str()->type_name("N");
   app.add_option("--dt", a.dt, "Seconds between steps, a number or a fraction")->capture_default_str()->type_name("S");
-  try {
-    app.parse(argc, argv);
-    run(a);
-    return 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : bad_input;
-  } catch (const std::exception& error) {
-    std::cerr << "encage-octopus: " << error.what() << '\n';
-    return bad_input;
-  }
+  return encage::tool::run_program(app, argc, argv, [&] { return run(a); });
 }

@@ -5,10 +5,8 @@
 #include <encage/bake.h>
 
 #include <CLI/CLI.hpp>
-#include <exception>
 #include <filesystem>
 #include <iostream>
-#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,9 +21,9 @@
 #include "bench/tank/simulate.h"
 #include "bench/tank/simulation_report.h"
 #include "cagegen/tool/bake_mesh.h"
-#include "cagegen/tool/command.h"
 #include "cagegen/tool/interrupt.h"
 #include "cagegen/tool/output_file.h"
+#include "cagegen/tool/program.h"
 #include "cagegen/tool/progress.h"
 
 namespace encage::tank {
@@ -251,39 +249,17 @@ int run(Arguments& a) {
   if (!a.snapshot.empty()) write_mesh(a.snapshot, snapshot(input.hierarchy, input.simulation->poses.back()));
   if (!a.json.empty()) tool::write_json(a.json, to_json(a, input, measured));
   print(a, input, measured);
-  if (!std::cout.flush()) throw Error("standard output: cannot write");
   const bool sound = input.interpenetrations == 0 && (!measured || measured->faults() == Faults{});
   return sound ? tool::success : tool::answer_is_no;
-}
-
-int parse_and_run(int argc, char** argv) {
-  CLI::App app(description, "encage-tank");
-  Arguments a;
-  a.bake.faces = {8000, 2000, 500};
-  define(app, a);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? tool::success : tool::bad_input;
-  }
-  return run(a);
 }
 
 }  // namespace
 }  // namespace encage::tank
 
 int main(int argc, char** argv) {
-  try {
-    return encage::tank::parse_and_run(argc, argv);
-  } catch (const encage::Cancelled&) {
-    std::cerr << "encage-tank: cancelled, nothing was written\n";
-    return encage::tool::cancelled;
-  } catch (const encage::Error& error) {
-    std::cerr << "encage-tank: " << error.what() << '\n';
-  } catch (const std::bad_alloc&) {
-    std::cerr << "encage-tank: out of memory\n";
-  } catch (const std::exception& error) {
-    std::cerr << "encage-tank: internal error: " << error.what() << '\n';
-  }
-  return encage::tool::bad_input;
+  CLI::App app(encage::tank::description, "encage-tank");
+  encage::tank::Arguments a;
+  a.bake.faces = {8000, 2000, 500};
+  encage::tank::define(app, a);
+  return encage::tool::run_program(app, argc, argv, [&] { return encage::tank::run(a); });
 }

@@ -13,6 +13,7 @@
 #include "bench/zoo/zoo.h"
 #include "cagegen/tool/bake_options.h"
 #include "cagegen/tool/output_file.h"
+#include "cagegen/tool/program.h"
 #include "src/atomic_file.h"
 
 namespace encage::zoo {
@@ -54,15 +55,7 @@ std::string command_line(int argc, char** argv) {
   return line;
 }
 
-int run(int argc, char** argv) {
-  CLI::App app("Bakes every mesh given and prints faces, tightness, certificate and CPU time.", "encage-zoo");
-  Arguments a;
-  define(app, a);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+int run(const Arguments& a, const std::string& command) {
   for (const auto& file : {a.json, a.markdown}) {
     if (!file.empty()) tool::check_output(file, {});
   }
@@ -80,8 +73,8 @@ int run(int argc, char** argv) {
   const Summary summary = summarize(models, faces);
   std::cout << '\n' << to_text(summary);
   if (!a.json.empty()) tool::write_json(a.json, to_json(models, summary));
-  if (!a.markdown.empty()) write_atomically(a.markdown, to_markdown(models, summary, faces, command_line(argc, argv)));
-  return summary.certified == summary.meshes ? 0 : 1;
+  if (!a.markdown.empty()) write_atomically(a.markdown, to_markdown(models, summary, faces, command));
+  return summary.certified == summary.meshes ? tool::success : tool::answer_is_no;
 }
 
 }  // namespace
@@ -89,10 +82,9 @@ int run(int argc, char** argv) {
 }  // namespace encage::zoo
 
 int main(int argc, char** argv) {
-  try {
-    return encage::zoo::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "encage-zoo: " << error.what() << '\n';
-    return 2;
-  }
+  CLI::App app("Bakes every mesh given and prints faces, tightness, certificate and CPU time.", "encage-zoo");
+  encage::zoo::Arguments a;
+  encage::zoo::define(app, a);
+  return encage::tool::run_program(app, argc, argv,
+                                   [&] { return encage::zoo::run(a, encage::zoo::command_line(argc, argv)); });
 }

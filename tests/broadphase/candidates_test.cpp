@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/broadphase/sample_shapes.h"
+#include "tests/broadphase/body.h"
 #include "tests/broadphase/sampled.h"
 
 #include <encage/broadphase.h>
@@ -17,15 +17,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 using Pose = Eigen::Isometry3d;
-
-struct Body {
-  Sample sample;
-  ShapePtr shape;
-
-  explicit Body(Sample s) : sample(std::move(s)), shape(make_shape(sample.hierarchy)) {}
-  const TriangleMesh& mesh() const { return sample.hierarchy.fine; }
-  const Vector& origin() const { return sample.hierarchy.origin; }
-};
 
 std::vector<Body> bodies() {
   std::vector<Body> all;
@@ -54,7 +45,7 @@ TEST(Candidates, AreThePairsThatComeNearAndNoOthers) {
     const Body &a = all[random.integer(static_cast<int>(all.size()))],
                &b = all[random.integer(static_cast<int>(all.size()))];
     const double angle = std::vector{0.0, 0.2, 3.1}[random.integer(3)];
-    const double size = 0.5 * (a.sample.hierarchy.diagonal + b.sample.hierarchy.diagonal);
+    const double size = 0.5 * (a.diagonal() + b.diagonal());
     Pose pose_a = random_pose(random, 10), pose_b = random_pose(random, 0);
     pose_b.translation() = pose_a.translation() + random_direction(random) * random(0.3, 1) * size;
     const auto motion = [&](const Pose& pose) {
@@ -155,24 +146,6 @@ TEST(Candidates, FineErrorCounts) {
   EXPECT_FALSE(any(2.0201));
 }
 
-/// A sheet of 2 n^2 triangles over [-10, 10]^2, flat across one axis, where all its coordinates are 0.
-TriangleMesh sheet(int n, int across) {
-  TriangleMesh mesh;
-  mesh.vertices.setZero((n + 1) * (n + 1), 3);
-  mesh.triangles.resize(2 * n * n, 3);
-  for (int i = 0; i <= n; ++i) {
-    for (int j = 0; j <= n; ++j) {
-      const int v = i * (n + 1) + j;
-      mesh.vertices(v, (across + 1) % 3) = -10 + 20.0 * i / n;
-      mesh.vertices(v, (across + 2) % 3) = -10 + 20.0 * j / n;
-      if (i == n || j == n) continue;
-      mesh.triangles.row(2 * (i * n + j)) << v, v + n + 1, v + 1;
-      mesh.triangles.row(2 * (i * n + j) + 1) << v + 1, v + n + 1, v + n + 2;
-    }
-  }
-  return mesh;
-}
-
 CageHierarchy without_cages(TriangleMesh mesh, Solid solid) {
   CageHierarchy h;
   h.fine = std::move(mesh);
@@ -185,7 +158,7 @@ CageHierarchy without_cages(TriangleMesh mesh, Solid solid) {
 // A grid as fine as the sheet is thin made places overflow: spheres through the sheet were "separated".
 TEST(Candidates, AreFoundOnSheetsThatAreFlatAcrossAnAxis) {
   for (int across = 0; across < 3; ++across) {
-    const ShapePtr flat = make_shape(without_cages(sheet(32, across), Solid::surface_only));
+    const ShapePtr flat = make_shape(without_cages(sheet(32, across, 10), Solid::surface_only));
     for (const double radius : {1e-3, 2.0, 4.0, 5.0, 8.0, 20.0}) {
       TriangleMesh ball = shapes::sphere(4);
       ball.vertices *= radius;

@@ -3,6 +3,7 @@
 
 #include "tests/broadphase/exact_pair.h"
 #include "tests/broadphase/sample_shapes.h"
+#include "tests/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +28,7 @@ TEST(Containment, AgreesWithExactWindingNumbers) {
       // Every other one shares coordinates with vertices, edges and faces.
       if (i % 2 == 0) p = (p * 5).array().round() / 5;
       // Queries ask only where the surface is farther than rounding.
-      const ExactBody probe(Vector::Zero(), box_mesh(p, p), Eigen::Isometry3d::Identity());
+      const ExactBody probe(Vector::Zero(), shapes::box(p, p), Eigen::Isometry3d::Identity());
       if (surfaces_meet(exact, probe, 1e-9)) continue;
       const int number = winding_number(exact, p);
       const Side side = locate(shape->fine, p);
@@ -61,7 +62,7 @@ TEST(Containment, RaysThroughEdgesAndVerticesDecideNothing) {
           direction[(ray.axis + 2) % 3] = ray.slope2;
           for (const double length : {0.25, 0.7, 1.1}) {
             const Vector p = target - length * direction;
-            const ExactBody probe(Vector::Zero(), box_mesh(p, p), Eigen::Isometry3d::Identity());
+            const ExactBody probe(Vector::Zero(), shapes::box(p, p), Eigen::Isometry3d::Identity());
             if (surfaces_meet(exact, probe, 1e-9)) continue;
             const Side side = locate(shape->fine, p);
             ++asked;

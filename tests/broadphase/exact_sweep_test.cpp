@@ -4,6 +4,7 @@
 
 #include "tests/broadphase/exact_pair.h"
 #include "tests/broadphase/sample_shapes.h"
+#include "tests/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -80,7 +81,7 @@ TEST(ExactSweep, AgreesWithExactTestsAtSingleTimes) {
 }
 
 TEST(ExactSweep, BoxOntoBox) {
-  const TriangleMesh box = box_mesh(Vector(0, 0, 0), Vector(1, 1, 1));
+  const TriangleMesh box = shapes::box(Vector(0, 0, 0), Vector(1, 1, 1));
   Motion up, down;
   up.end.translation() = Vector(0.25, 0, 1);
   down.start.translation() = Vector(0, 0, 3);
@@ -101,7 +102,8 @@ TEST(ExactSweep, BoxOntoBox) {
   ASSERT_TRUE(bent);
   EXPECT_NEAR(*bent, (3 - std::sqrt(3.0)) / 2, 1e-6);
   // One inside the other: the surfaces do not touch.
-  EXPECT_FALSE(exact_first_contact(a, moving_mesh(Vector::Zero(), box_mesh(Vector(-9, -9, -9), Vector(9, 9, 9)), {})));
+  EXPECT_FALSE(
+      exact_first_contact(a, moving_mesh(Vector::Zero(), shapes::box(Vector(-9, -9, -9), Vector(9, 9, 9)), {})));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/broadphase/sample_shapes.h"
+#include "tests/broadphase/body.h"
 #include "tests/broadphase/sampled.h"
 
 #include <encage/broadphase.h>
@@ -64,13 +64,6 @@ TEST(UsableMotions, AreFiniteAndRigid) {
   }
 }
 
-struct Body {
-  Sample sample;
-  ShapePtr shape;
-  explicit Body(Sample s) : sample(std::move(s)), shape(make_shape(sample.hierarchy)) {}
-  const TriangleMesh& mesh() const { return sample.hierarchy.fine; }
-};
-
 /// Where a point of the body frame truly is: `pivot` on its straight path, turning at uniform angular velocity.
 Point on_arc(const Motion& motion, const Vector& pivot, const Point& x, Real t) {
   using Rotation = Eigen::AngleAxis<Real>;
@@ -100,7 +93,7 @@ TEST(ArcMargin, BoundsTheDepartureFromStraightPaths) {
   for (int round = 0; round < 400; ++round) {
     SCOPED_TRACE(round);
     const Body& body = all[random.integer(static_cast<int>(all.size()))];
-    const Vector& origin = body.sample.hierarchy.origin;
+    const Vector& origin = body.origin();
     const Vector pivot = random.integer(3) == 0   ? Vector(random.point(2))
                          : random.integer(2) == 0 ? Vector::Zero()
                                                   : origin;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/broadphase/body.h"
 #include "tests/broadphase/count_allocations.h"
-#include "tests/broadphase/sample_shapes.h"
 #include "tests/broadphase/sampled.h"
 
 #include <encage/contact.h>
@@ -19,15 +19,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 using Pose = Eigen::Isometry3d;
-
-struct Body {
-  Sample sample;
-  ShapePtr shape;
-
-  explicit Body(Sample s) : sample(std::move(s)), shape(make_shape(sample.hierarchy)) {}
-  const TriangleMesh& mesh() const { return sample.hierarchy.fine; }
-  const Vector& origin() const { return sample.hierarchy.origin; }
-};
 
 std::vector<Body> bodies() {
   std::vector<Body> all;
@@ -53,7 +44,7 @@ struct Scene {
 Scene random_scene(shapes::Random& random, const std::vector<Body>& all) {
   const Body &a = all[random.integer(static_cast<int>(all.size()))],
              &b = all[random.integer(static_cast<int>(all.size()))];
-  const double size = 0.4 * (a.sample.hierarchy.diagonal + b.sample.hierarchy.diagonal);
+  const double size = 0.4 * (a.diagonal() + b.diagonal());
   const double angle = random.integer(4) == 0 ? 2.5 : 0.2, way = random.integer(3) == 0 ? 1.5 * size : 0.2 * size;
   // About the local origins, so that bodies far from the body frame's origin meet as well.
   const auto about_origin = [&](const Body& body, Motion motion) {

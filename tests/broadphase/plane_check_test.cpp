@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "broadphase/plane_check.h"
 
-#include "tests/broadphase/sample_shapes.h"
+#include "tests/broadphase/body.h"
 #include "tests/broadphase/sampled.h"
 
 #include <encage/contact.h>
@@ -19,18 +19,6 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Pose = Eigen::Isometry3d;
 
-struct Body {
-  Sample sample;
-  ShapePtr shape;
-
-  explicit Body(Sample s) : sample(std::move(s)), shape(make_shape(sample.hierarchy)) {}
-  /// What the plane is asked about.
-  const TriangleMesh& mesh() const {
-    const CageHierarchy& h = sample.hierarchy;
-    return h.fine.triangles.rows() > 0 ? h.fine : h.levels.front().mesh;
-  }
-};
-
 std::vector<Body> bodies() {
   std::vector<Body> all;
   for (const Sample& sample : sample_shapes(0)) {
@@ -46,7 +34,7 @@ std::vector<Body> bodies() {
 
 /// Height of a vertex above the plane at both ends.
 std::pair<Real, Real> heights(const Body& body, std::int64_t v, const Motion& motion, const HalfSpace& plane) {
-  const Point x = (body.sample.hierarchy.origin + body.mesh().vertex(static_cast<std::int32_t>(v))).cast<Real>();
+  const Point x = (body.origin() + body.mesh().vertex(static_cast<std::int32_t>(v))).cast<Real>();
   const auto height = [&](const Pose& pose) {
     const Point y = pose.linear().cast<Real>() * x + pose.translation().cast<Real>();
     return plane.normal.cast<Real>().dot(y) - static_cast<Real>(plane.offset);
@@ -73,13 +61,12 @@ struct Scene {
 
 Scene random_scene(shapes::Random& random, const std::vector<Body>& all) {
   const Body& body = all[random.integer(static_cast<int>(all.size()))];
-  const double size = body.sample.hierarchy.diagonal;
+  const double size = body.diagonal();
   Pose pose = random_pose(random, 0);
-  pose.translation() = random.point(3) - pose.linear() * body.sample.hierarchy.origin;
+  pose.translation() = random.point(3) - pose.linear() * body.origin();
   Motion motion = random_motion(random, pose, random.integer(3) == 0 ? 3.1 : 0.3, size);
   // About the local origin.
-  motion.end.translation() +=
-      motion.start.linear() * body.sample.hierarchy.origin - motion.end.linear() * body.sample.hierarchy.origin;
+  motion.end.translation() += motion.start.linear() * body.origin() - motion.end.linear() * body.origin();
   if (random.integer(8) == 0) motion.end = motion.start;
   HalfSpace plane;
   plane.normal = random_direction(random);
@@ -121,7 +108,7 @@ TEST(PlaneCheck, AgreesWithEveryVertexInLongDouble) {
     }
     beyond += said;
     below += low < -s.margin;
-    if (s.body.sample.hierarchy.fine.triangles.rows() == 0) continue;
+    if (!s.body.has_fine()) continue;
     const auto found = first_contact(*s.body.shape, s.motion, s.plane, {.margin = s.margin, .arc = s.arc});
     if (latest <= 1) {
       ASSERT_TRUE(found);

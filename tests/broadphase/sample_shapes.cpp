@@ -10,6 +10,7 @@ namespace encage::test {
 namespace {
 
 using Vector = Eigen::Vector3d;
+using shapes::box, shapes::cube, shapes::flipped, shapes::joined, shapes::torus;
 using Polygon = std::vector<Eigen::Vector2d>;
 
 TriangleMesh make(const std::vector<Vector>& vertices, const std::vector<Eigen::Vector3i>& triangles) {
@@ -23,11 +24,6 @@ TriangleMesh make(const std::vector<Vector>& vertices, const std::vector<Eigen::
 
 TriangleMesh rounded(TriangleMesh mesh) {
   mesh.vertices = mesh.vertices.cast<float>().cast<double>();
-  return mesh;
-}
-
-TriangleMesh resized(TriangleMesh mesh, double factor) {
-  mesh.vertices *= factor;
   return mesh;
 }
 
@@ -61,6 +57,25 @@ TriangleMesh star() {
   return make(vertices, triangles);
 }
 
+/// The corners of a simple polygon (counter-clockwise), with its triangles, extruded along z.
+TriangleMesh prism(const Polygon& polygon, const std::vector<Eigen::Vector3i>& triangles, double bottom, double top) {
+  const int n = static_cast<int>(polygon.size());
+  std::vector<Vector> v;
+  for (const Eigen::Vector2d& p : polygon) v.emplace_back(p.x(), p.y(), bottom);
+  for (const Eigen::Vector2d& p : polygon) v.emplace_back(p.x(), p.y(), top);
+  std::vector<Eigen::Vector3i> faces;
+  for (const Eigen::Vector3i& t : triangles) {
+    faces.emplace_back(t[0], t[2], t[1]);
+    faces.emplace_back(t[0] + n, t[1] + n, t[2] + n);
+  }
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
+    faces.emplace_back(i, j, j + n);
+    faces.emplace_back(i, j + n, i + n);
+  }
+  return make(v, faces);
+}
+
 const std::vector<Eigen::Vector3i> l_triangles = {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}};
 Polygon l_polygon(double d) {
   return {{-1 - d, -1 - d},     {1 + d, -1 - d},   {1 + d, -0.4 + d},
@@ -76,13 +91,11 @@ Polygon u_polygon(double d) {
 TriangleMesh l_prism(double d) { return prism(l_polygon(d), l_triangles, -0.5 - d, 0.5 + d); }
 TriangleMesh u_prism(double d) { return prism(u_polygon(d), u_triangles, -0.4 - d, 0.4 + d); }
 
-TriangleMesh cube(double half) { return box_mesh(Vector::Constant(-half), Vector::Constant(half)); }
-
-TriangleMesh shell(double d) { return merged(cube(1 + d), inverted(cube(0.8 - d))); }
+TriangleMesh shell(double d) { return joined(cube(1 + d), flipped(cube(0.8 - d))); }
 
 TriangleMesh two_boxes(double d) {
-  return merged(box_mesh({-1.2 - d, -0.5 - d, -0.3 - d}, {-0.3 + d, 0.5 + d, 0.3 + d}),
-                box_mesh({0.3 - d, -0.5 - d, -0.6 - d}, {1.1 + d, 0.4 + d, 0.2 + d}));
+  return joined(box({-1.2 - d, -0.5 - d, -0.3 - d}, {-0.3 + d, 0.5 + d, 0.3 + d}),
+                box({0.3 - d, -0.5 - d, -0.6 - d}, {1.1 + d, 0.4 + d, 0.2 + d}));
 }
 
 /// A box without lid: two triangles dropped.
@@ -95,7 +108,22 @@ TriangleMesh open_box() {
 
 /// A closed box with a spike: a degenerate triangle that joins nothing, as inputs have it.
 TriangleMesh spiked_box() {
-  return merged(cube(0.7), make({{0.6, 0.1, 0}, {1.3, 0.2, 0.125}, {0.95, 0.15, 0.0625}}, {{0, 1, 2}, {0, 2, 1}}));
+  return joined(cube(0.7), make({{0.6, 0.1, 0}, {1.3, 0.2, 0.125}, {0.95, 0.15, 0.0625}}, {{0, 1, 2}, {0, 2, 1}}));
+}
+
+/// Both sides of a sheet: closed, with nothing inside.
+TriangleMesh doubled(TriangleMesh sheet) {
+  const Triangles back = flipped(sheet).triangles;
+  sheet.triangles.conservativeResize(2 * back.rows(), 3);
+  sheet.triangles.bottomRows(back.rows()) = back;
+  return sheet;
+}
+
+/// A box around a sheet, the same distance away on all sides.
+TriangleMesh around_sheet(int across, double half, double distance) {
+  Vector upper = Vector::Constant(half + distance);
+  upper[across] = distance;
+  return box(-upper, upper);
 }
 
 Sample sample(const std::string& name, const TriangleMesh& fine, const std::vector<TriangleMesh>& cages, double jitter,
@@ -120,62 +148,11 @@ Sample sample(const std::string& name, const TriangleMesh& fine, const std::vect
 
 }  // namespace
 
-TriangleMesh box_mesh(const Vector& lower, const Vector& upper) { return shapes::box(lower, upper); }
-
-TriangleMesh prism(const Polygon& polygon, const std::vector<Eigen::Vector3i>& triangles, double bottom, double top) {
-  const int n = static_cast<int>(polygon.size());
-  std::vector<Vector> v;
-  for (const Eigen::Vector2d& p : polygon) v.emplace_back(p.x(), p.y(), bottom);
-  for (const Eigen::Vector2d& p : polygon) v.emplace_back(p.x(), p.y(), top);
-  std::vector<Eigen::Vector3i> faces;
-  for (const Eigen::Vector3i& t : triangles) {
-    faces.emplace_back(t[0], t[2], t[1]);
-    faces.emplace_back(t[0] + n, t[1] + n, t[2] + n);
-  }
-  for (int i = 0; i < n; ++i) {
-    const int j = (i + 1) % n;
-    faces.emplace_back(i, j, j + n);
-    faces.emplace_back(i, j + n, i + n);
-  }
-  return make(v, faces);
-}
-
-TriangleMesh torus(double major, double minor, int around, int across) {
-  std::vector<Vector> v;
-  std::vector<Eigen::Vector3i> faces;
-  const double turn = 2 * std::acos(-1.0);
-  for (int i = 0; i < around; ++i) {
-    for (int j = 0; j < across; ++j) {
-      const double u = turn * i / around, w = turn * j / across;
-      const double r = major + minor * std::cos(w);
-      v.emplace_back(r * std::cos(u), r * std::sin(u), minor * std::sin(w));
-      const int i1 = (i + 1) % around, j1 = (j + 1) % across;
-      faces.emplace_back(i * across + j, i1 * across + j, i1 * across + j1);
-      faces.emplace_back(i * across + j, i1 * across + j1, i * across + j1);
-    }
-  }
-  return make(v, faces);
-}
-
-TriangleMesh inverted(TriangleMesh mesh) {
-  mesh.triangles.col(1).swap(mesh.triangles.col(2));
-  return mesh;
-}
-
-TriangleMesh merged(const TriangleMesh& a, const TriangleMesh& b) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(a.vertices.rows() + b.vertices.rows(), 3);
-  mesh.vertices << a.vertices, b.vertices;
-  mesh.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
-  mesh.triangles << a.triangles, b.triangles.array() + static_cast<std::int32_t>(a.vertices.rows());
-  return mesh;
-}
-
 std::vector<Sample> sample_shapes(double jitter) {
   return {
-      sample("tetrahedron", tetrahedron(), {resized(tetrahedron(), 1.1), cube(1.4)}, jitter),
+      sample("tetrahedron", tetrahedron(), {shapes::scaled(tetrahedron(), 1.1), cube(1.4)}, jitter),
       sample("box", cube(1), {cube(1.05), cube(1.3)}, jitter),
-      sample("star", star(), {resized(star(), 1.05), resized(star(), 1.2), cube(1.3)}, jitter),
+      sample("star", star(), {shapes::scaled(star(), 1.05), shapes::scaled(star(), 1.2), cube(1.3)}, jitter),
       sample("l", l_prism(0), {l_prism(0.04), cube(1.2)}, jitter),
       sample("u", u_prism(0), {u_prism(0.05), u_prism(0.2), cube(1.3)}, jitter),
       sample("torus", torus(1, 0.35, 8, 4), {torus(1, 0.42, 8, 4), torus(1, 0.6, 8, 4)}, jitter),
@@ -188,9 +165,41 @@ std::vector<Sample> sample_shapes(double jitter) {
 
 std::vector<Sample> large_sample_shapes(double jitter) {
   return {
-      sample("sphere", shapes::sphere(4), {resized(shapes::sphere(2), 1.1), cube(1.3)}, jitter),
+      sample("sphere", shapes::sphere(4), {shapes::scaled(shapes::sphere(2), 1.1), cube(1.3)}, jitter),
       sample("fine torus", torus(1, 0.35, 32, 16), {torus(1, 0.4, 32, 16), torus(1, 0.6, 16, 4)}, jitter),
   };
+}
+
+std::vector<Sample> flat_shapes(double jitter) {
+  return {
+      sample("sheet", sheet(2, 2, 1), {around_sheet(2, 1, 0.05), cube(1.3)}, jitter, Solid::surface_only),
+      sample("doubled sheet", doubled(sheet(3, 0, 1)), {around_sheet(0, 1, 0.05), cube(1.3)}, jitter),
+      sample("wide sheet", doubled(sheet(3, 1, 1024)), {around_sheet(1, 1024, 0.5), cube(1100)}, jitter),
+  };
+}
+
+std::vector<Sample> large_flat_shapes(double jitter) {
+  return {
+      sample("fine sheet", sheet(32, 1, 1), {around_sheet(1, 1, 0.05), cube(1.3)}, jitter, Solid::surface_only),
+      sample("fine wide sheet", doubled(sheet(22, 2, 1024)), {around_sheet(2, 1024, 0.5), cube(1100)}, jitter),
+  };
+}
+
+TriangleMesh sheet(int n, int across, double half) {
+  TriangleMesh mesh;
+  mesh.vertices.setZero((n + 1) * (n + 1), 3);
+  mesh.triangles.resize(2 * n * n, 3);
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      const int v = i * (n + 1) + j;
+      mesh.vertices(v, (across + 1) % 3) = half * (2.0 * i / n - 1);
+      mesh.vertices(v, (across + 2) % 3) = half * (2.0 * j / n - 1);
+      if (i == n || j == n) continue;
+      mesh.triangles.row(2 * (i * n + j)) << v, v + n + 1, v + 1;
+      mesh.triangles.row(2 * (i * n + j) + 1) << v + 1, v + n + 1, v + n + 2;
+    }
+  }
+  return mesh;
 }
 
 Sample scaled(const Sample& sample, int exponent) {

@@ -23,19 +23,18 @@ std::vector<Sample> sample_shapes(double jitter);
 /// Of the same kind with 1,000 to 2,048 triangles.
 std::vector<Sample> large_sample_shapes(double jitter);
 
+/// Sheets 2 and 2,048 wide in coordinate planes (but for `jitter`): open ones, and closed ones without volume.
+std::vector<Sample> flat_shapes(double jitter);
+std::vector<Sample> large_flat_shapes(double jitter);
+
+/// 2 n^2 triangles over [-half, half]^2, flat across one axis, where all coordinates are 0.
+TriangleMesh sheet(int n, int across, double half);
+
 /// The same sample in another unit: 2^exponent, so that float32 stays exact.
 Sample scaled(const Sample& sample, int exponent);
 
 /// Without its cages, or without its fine mesh.
 Sample without_cages(Sample sample);
 Sample without_fine(Sample sample);
-
-TriangleMesh box_mesh(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper);
-/// `count` corners of a simple polygon (counter-clockwise) with `triangles` of them, extruded along z.
-TriangleMesh prism(const std::vector<Eigen::Vector2d>& polygon, const std::vector<Eigen::Vector3i>& triangles,
-                   double bottom, double top);
-TriangleMesh torus(double major, double minor, int around, int across);
-TriangleMesh inverted(TriangleMesh mesh);
-TriangleMesh merged(const TriangleMesh& a, const TriangleMesh& b);
 
 }  // namespace encage::test

@@ -80,8 +80,8 @@ bool reach(const MovingMesh& a, const MovingMesh& b, double distance) {
 bool contained_at_start(const Scene& scene) {
   const auto [a, b, motion_a, motion_b, margin] = scene;
   if (!a.solid() && !b.solid()) return false;
-  const ExactBody exact_a(a.sample.hierarchy.origin, a.sample.source, motion_a.start);
-  const ExactBody exact_b(b.sample.hierarchy.origin, b.sample.source, motion_b.start);
+  const ExactBody exact_a(a.origin(), a.sample.source, motion_a.start);
+  const ExactBody exact_b(b.origin(), b.sample.source, motion_b.start);
   return (a.solid() && holds_component(exact_a, exact_b)) || (b.solid() && holds_component(exact_b, exact_a));
 }
 
@@ -92,8 +92,8 @@ class Twin {
  public:
   explicit Twin(const Scene& scene)
       : scene_(scene),
-        a_(moving_mesh(scene.a.sample.hierarchy.origin, scene.a.sample.source, scene.motion_a)),
-        b_(moving_mesh(scene.b.sample.hierarchy.origin, scene.b.sample.source, scene.motion_b)) {}
+        a_(moving_mesh(scene.a.origin(), scene.a.sample.source, scene.motion_a)),
+        b_(moving_mesh(scene.b.origin(), scene.b.sample.source, scene.motion_b)) {}
 
   Truth truth() const {
     const Truth truth = touch();
@@ -127,19 +127,11 @@ class MovingTwinTest {
     for (int i = 0; i < pairs && !testing::Test::HasFailure(); ++i) check(scene(i), i);
   }
 
-  int rejected = 0;  ///< proven apart
-  int close = 0;     ///< of these, not proven apart by 1e-4 of the size more
-  int large = 0;     ///< pairs with a body of 1,000 triangles or more
-  int asked = 0;     ///< pairs of which the figures below tell
-  int contacts = 0;  ///< that truly touch or are contained
-  int far = 0;       ///< farther than margin + 1 % of the larger diagonal
-  int far_kept = 0;  ///< of these, not proven apart
+  TwinFigures figures;
+  int close = 0;  ///< of the rejected, not proven apart by 1e-4 of the size more
+  int large = 0;  ///< pairs with a body of 1,000 triangles or more
 
  private:
-  const Body& any(const std::vector<Body>& bodies) {
-    return bodies[random_.below(static_cast<unsigned>(bodies.size()))];
-  }
-
   /// From `start`: turned about the centre, which moves by at most `way`.
   Motion turned(const Body& body, const Pose& start, double angle, double way) {
     Motion motion = Motion::resting(start);
@@ -164,8 +156,8 @@ class MovingTwinTest {
 
   /// Every 64th pair has a large body, every 256th has two.
   Scene scene(int number) {
-    const Body& a = any(number % 256 == 0 ? large_ : small_);
-    const Body& b = any(number % 64 == 0 ? large_ : small_);
+    const Body& a = random_.one_of(number % 256 == 0 ? large_ : small_);
+    const Body& b = random_.one_of(number % 64 == 0 ? large_ : small_);
     Scene scene{a, b, motion(a, random_.pose()), motion(b, random_.pose()), random_.margin(a.diagonal())};
     const unsigned kind = random_.below(16);
     if (kind == 0) share_motion(scene);
@@ -191,8 +183,7 @@ class MovingTwinTest {
 
   /// On a line, close to where the answer changes: grazing contact, at any time of the step.
   void near_contact(Scene& scene) {
-    const Vector start =
-        scene.a.centre(scene.motion_a.start) + random_.direction() * random_.uniform(0, 0.3) * scene.size();
+    const Vector start = random_.meeting_place(scene.a, scene.motion_a.start, scene.b, scene.motion_b.start);
     const Vector d = random_.direction();
     const auto answer = [&](double t) {
       place(scene.b, scene.motion_b, start + d * t);
@@ -225,7 +216,7 @@ class MovingTwinTest {
     const auto is_large = [](const Body& body) { return body.sample.source.triangles.rows() >= 1'000; };
     large += is_large(scene.a) || is_large(scene.b);
     if (verdict.separated) {
-      ++rejected;
+      ++figures.rejected;
       close += !scene.ask(1e-4 * scene.size()).separated;
       EXPECT_EQ(Twin(scene).truth(), Truth::apart)
           << "pair " << number << ": " << scene.a.sample.name << " and " << scene.b.sample.name << ", margin "
@@ -235,13 +226,12 @@ class MovingTwinTest {
   }
 
   void count(const Scene& scene, bool separated) {
-    ++asked;
-    if (!separated) contacts += Twin(scene).touch() != Truth::apart;
-    // Rate of rejects, where the fine meshes are there and both interiors known.
-    if (!scene.a.solid() || !scene.b.solid() || !scene.a.has_fine() || !scene.b.has_fine()) return;
+    ++figures.asked;
+    if (!separated) figures.contacts += Twin(scene).touch() != Truth::apart;
+    if (!shows_rate(scene.a, scene.b)) return;
     if (!Twin(scene).farther(0.01 * std::max(scene.a.diagonal(), scene.b.diagonal()))) return;
-    ++far;
-    far_kept += !separated;
+    ++figures.far;
+    figures.far_kept += !separated;
   }
 
   TwinRandom random_;
@@ -256,22 +246,19 @@ TEST_P(SeparatedMoving, NeverMissesAContactOfBruteForce) {
   const int pairs = number_from("ENCAGE_TWIN_PAIRS", 12'000) / shards;
   MovingTwinTest twin(static_cast<unsigned>(number_from("ENCAGE_TWIN_SEED", 1) * shards + GetParam()));
   twin.run(pairs);
-  RecordProperty("rejected", twin.rejected);
+  const TwinFigures& figures = twin.figures;
+  figures.record();
   RecordProperty("close", twin.close);
   RecordProperty("large", twin.large);
-  RecordProperty("asked", twin.asked);
-  RecordProperty("contacts", twin.contacts);
-  RecordProperty("far", twin.far);
-  RecordProperty("far_kept", twin.far_kept);
   // The test attacks only if both answers are common, and close ones among them.
-  EXPECT_GT(twin.rejected, pairs / 5);
+  EXPECT_GT(figures.rejected, pairs / 5);
   EXPECT_GT(twin.close, pairs / 20);
   EXPECT_GE(twin.large, pairs / 100);
-  EXPECT_LE(twin.far_kept, twin.far / 100);
+  EXPECT_LE(figures.far_kept, figures.far / 100);
   // Shares of fewer than these are chance (sanitizers run few pairs).
-  if (twin.asked < 50) return;
-  EXPECT_GT(twin.contacts, twin.asked / 10);
-  EXPECT_GT(twin.far, twin.asked / 20);
+  if (figures.asked < 50) return;
+  EXPECT_GT(figures.contacts, figures.asked / 10);
+  EXPECT_GT(figures.far, figures.asked / 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, SeparatedMoving, testing::Range(0, shards));

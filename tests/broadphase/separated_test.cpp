@@ -2,6 +2,7 @@
 #include "tests/broadphase/count_allocations.h"
 #include "tests/broadphase/exact_pair.h"
 #include "tests/broadphase/twin_bodies.h"
+#include "tests/shapes.h"
 
 #include <encage/broadphase.h>
 
@@ -51,8 +52,8 @@ class TwinTest {
   void run(int pairs) {
     for (int i = 0; i < pairs && !testing::Test::HasFailure(); ++i) {
       // Every 80th pair has a large body, every 800th has two.
-      const Body& a = any(i % 800 == 0 ? large_ : small_);
-      const Body& b = any(i % 80 == 0 ? large_ : small_);
+      const Body& a = random_.one_of(i % 800 == 0 ? large_ : small_);
+      const Body& b = random_.one_of(i % 80 == 0 ? large_ : small_);
       const double margin = random_.margin(a.diagonal());
       Pose pose_a = random_.pose(), pose_b = random_.pose();
       const unsigned kind = random_.below(8);
@@ -68,17 +69,9 @@ class TwinTest {
     }
   }
 
-  int rejected = 0;  ///< proven apart
-  int asked = 0;     ///< pairs of which the figures below tell
-  int contacts = 0;  ///< truly closer than the margin or contained
-  int far = 0;       ///< farther than margin + 1 % of the larger diagonal
-  int far_kept = 0;  ///< of these, not proven apart
+  TwinFigures figures;
 
  private:
-  const Body& any(const std::vector<Body>& bodies) {
-    return bodies[random_.below(static_cast<unsigned>(bodies.size()))];
-  }
-
   static void place(const Body& body, Pose& pose, const Vector& where) {
     pose.translation() += where - body.centre(pose);
   }
@@ -86,7 +79,7 @@ class TwinTest {
   // On a line, close to where the answer changes; on either side of it.
   void near_contact(const Body& a, const Pose& pose_a, const Body& b, Pose& pose_b, double margin) {
     const double size = (a.diagonal() + b.diagonal()) / 2;
-    const Vector start = a.centre(pose_a) + random_.direction() * random_.uniform(0, 0.3) * size;
+    const Vector start = random_.meeting_place(a, pose_a, b, pose_b);
     const Vector d = random_.direction();
     const auto answer = [&](double t) {
       place(b, pose_b, start + d * t);
@@ -108,10 +101,10 @@ class TwinTest {
 
   void check(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin, int number) {
     const Verdict verdict = ask(a, pose_a, b, pose_b, margin);
-    rejected += verdict.separated;
+    figures.rejected += verdict.separated;
     if (!verdict.separated && number % 7 != 0) return;
-    const ExactBody exact_a(a.sample.hierarchy.origin, a.sample.source, pose_a);
-    const ExactBody exact_b(b.sample.hierarchy.origin, b.sample.source, pose_b);
+    const ExactBody exact_a(a.origin(), a.sample.source, pose_a);
+    const ExactBody exact_b(b.origin(), b.sample.source, pose_b);
     const auto contained = [&] {
       return (a.solid() && holds_component(exact_a, exact_b)) || (b.solid() && holds_component(exact_b, exact_a));
     };
@@ -120,13 +113,12 @@ class TwinTest {
         << "pair " << number << ": " << a.sample.name << " and " << b.sample.name << ", margin " << margin << ", stage "
         << static_cast<int>(verdict.stage) << ", level " << verdict.level;
     if (number % 7 != 0) return;
-    ++asked;
-    contacts += contact;
-    // Rate of rejects, where the fine meshes are there and both interiors known.
-    if (contact || !a.solid() || !b.solid() || !a.has_fine() || !b.has_fine()) return;
+    ++figures.asked;
+    figures.contacts += contact;
+    if (contact || !shows_rate(a, b)) return;
     if (surfaces_meet(exact_a, exact_b, margin + 0.01 * std::max(a.diagonal(), b.diagonal()))) return;
-    ++far;
-    far_kept += !verdict.separated;
+    ++figures.far;
+    figures.far_kept += !verdict.separated;
   }
 
   TwinRandom random_;
@@ -141,23 +133,22 @@ TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
   const int pairs = number_from("ENCAGE_TWIN_PAIRS", 88'000) / shards;
   TwinTest twin(static_cast<unsigned>(number_from("ENCAGE_TWIN_SEED", 1) * shards + GetParam()));
   twin.run(pairs);
-  RecordProperty("rejected", twin.rejected);
-  RecordProperty("asked", twin.asked);
-  RecordProperty("contacts", twin.contacts);
-  RecordProperty("far", twin.far);
-  RecordProperty("far_kept", twin.far_kept);
+  const TwinFigures& figures = twin.figures;
+  figures.record();
   // The test attacks only if both answers are common.
-  EXPECT_GT(twin.contacts, twin.asked / 5);
-  EXPECT_GT(twin.rejected, pairs / 5);
-  EXPECT_GT(twin.far, twin.asked / 20);
-  EXPECT_LE(twin.far_kept, twin.far / 100);
+  EXPECT_GT(figures.contacts, figures.asked / 5);
+  EXPECT_GT(figures.rejected, pairs / 5);
+  EXPECT_GT(figures.far, figures.asked / 20);
+  EXPECT_LE(figures.far_kept, figures.far / 100);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, SeparatedResting, testing::Range(0, shards));
 
 TEST(Separated, SampleCagesNest) {
   std::vector<Sample> all = sample_shapes(1e-4);
-  for (Sample& s : large_sample_shapes(1e-4)) all.push_back(std::move(s));
+  for (const auto& more : {large_sample_shapes(1e-4), flat_shapes(1e-4), large_flat_shapes(1e-4)}) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
   for (const Sample& s : all) {
     const TriangleMesh* inner = &s.source;
     for (const CageLevel& level : s.hierarchy.levels) {
@@ -230,15 +221,18 @@ TEST(Separated, BodyInACavity) {
   EXPECT_FALSE(ask(shell, Pose::Identity(), small, shift(0.7, 0, 0)).separated);
 }
 
-TEST(Separated, OnePartInsideIsEnough) {
-  const std::vector<Body> all = bodies();
-  // The second box of the pair lies inside the large one, the first far outside.
-  TriangleMesh far_part = box_mesh(Vector(-40, 0, 0), Vector(-39, 1, 1));
+/// One box about the origin, the other far away.
+Body two_parts() {
   Sample sample;
-  sample.source = merged(far_part, box_mesh(Vector(-0.25, -0.25, -0.25), Vector(0.25, 0.25, 0.25)));
+  sample.source = shapes::joined(shapes::box(Vector(-40, 0, 0), Vector(-39, 1, 1)), shapes::cube(0.25));
   sample.hierarchy.fine = sample.source;
   sample.hierarchy.diagonal = bounds(sample.source).diagonal().norm();
-  const Body pair(sample);
+  return Body(sample);
+}
+
+TEST(Separated, OnePartInsideIsEnough) {
+  const std::vector<Body> all = bodies();
+  const Body pair = two_parts();
   const Body box(without_cages(find(all, "box").sample));
   EXPECT_FALSE(ask(box, Pose::Identity(), pair, Pose::Identity()).separated);
   EXPECT_FALSE(ask(pair, Pose::Identity(), box, Pose::Identity()).separated);
@@ -247,12 +241,7 @@ TEST(Separated, OnePartInsideIsEnough) {
 
 TEST(Separated, UnknownInteriorMayHoldOnePartOfTheGuest) {
   const std::vector<Body> all = bodies();
-  Sample sample;
-  sample.source = merged(box_mesh(Vector(-40, 0, 0), Vector(-39, 1, 1)),
-                         box_mesh(Vector(-0.25, -0.25, -0.25), Vector(0.25, 0.25, 0.25)));
-  sample.hierarchy.fine = sample.source;
-  sample.hierarchy.diagonal = bounds(sample.source).diagonal().norm();
-  const Body pair(sample);
+  const Body pair = two_parts();
   const Body open(without_cages(find(all, "open box").sample));
   EXPECT_FALSE(ask(open, Pose::Identity(), pair, Pose::Identity()).separated);
   EXPECT_FALSE(ask(pair, Pose::Identity(), open, Pose::Identity()).separated);
@@ -263,10 +252,11 @@ TEST(Separated, InsideOutAndDoubledSolidsAreSolid) {
   const std::vector<Body> all = bodies();
   const Body small(scaled(find(all, "star").sample, -4));
   Sample s = without_cages(find(all, "box").sample);
-  s.hierarchy.fine = inverted(s.hierarchy.fine);
+  s.hierarchy.fine = shapes::flipped(s.hierarchy.fine);
   EXPECT_FALSE(ask(Body(s), Pose::Identity(), small, Pose::Identity()).separated);
   // Winding number 2 in the inner box: still solid, though a ray crosses twice.
-  s.hierarchy.fine = merged(s.hierarchy.fine, inverted(box_mesh(Vector::Constant(-0.5), Vector::Constant(0.5))));
+  s.hierarchy.fine =
+      shapes::joined(s.hierarchy.fine, shapes::flipped(shapes::box(Vector::Constant(-0.5), Vector::Constant(0.5))));
   EXPECT_FALSE(ask(Body(s), Pose::Identity(), small, Pose::Identity()).separated);
 }
 

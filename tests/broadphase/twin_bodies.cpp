@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/broadphase/twin_bodies.h"
 
+#include <gtest/gtest.h>
+
 #include <array>
 
 namespace encage::test {
@@ -25,6 +27,7 @@ std::vector<Body> twin_bodies() {
   std::vector<Body> all;
   for (const double jitter : {0.0, 1e-4}) {
     for (const Sample& sample : sample_shapes(jitter)) add_kinds(sample, all);
+    for (const Sample& sample : flat_shapes(jitter)) add_kinds(sample, all);
   }
   return all;
 }
@@ -33,8 +36,17 @@ std::vector<Body> large_twin_bodies() {
   std::vector<Body> all;
   for (const double jitter : {0.0, 1e-4}) {
     for (const Sample& sample : large_sample_shapes(jitter)) add_kinds(sample, all);
+    for (const Sample& sample : large_flat_shapes(jitter)) add_kinds(sample, all);
   }
   return all;
+}
+
+void TwinFigures::record() const {
+  testing::Test::RecordProperty("rejected", rejected);
+  testing::Test::RecordProperty("asked", asked);
+  testing::Test::RecordProperty("contacts", contacts);
+  testing::Test::RecordProperty("far", far);
+  testing::Test::RecordProperty("far_kept", far_kept);
 }
 
 Vector TwinRandom::direction() {
@@ -52,6 +64,20 @@ Eigen::Isometry3d TwinRandom::pose() {
   pose.translation() = Vector(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)) * reach;
   if (below(8) == 0) pose.linear() *= 1 + uniform(-2.5e-10, 2.5e-10);
   return pose;
+}
+
+Vector TwinRandom::surface_point(const Body& body) {
+  const TriangleMesh& mesh = body.sample.source;
+  const auto t = static_cast<std::int64_t>(below(static_cast<unsigned>(mesh.triangles.rows())));
+  double u = uniform(0, 1), v = uniform(0, 1);
+  if (u + v > 1) u = 1 - u, v = 1 - v;
+  return body.origin() + (1 - u - v) * mesh.corner(t, 0) + u * mesh.corner(t, 1) + v * mesh.corner(t, 2);
+}
+
+Vector TwinRandom::meeting_place(const Body& a, const Eigen::Isometry3d& pose_a, const Body& b,
+                                 const Eigen::Isometry3d& pose_b) {
+  if (below(2) == 0) return a.centre(pose_a) + direction() * uniform(0, 0.15) * (a.diagonal() + b.diagonal());
+  return pose_a * surface_point(a) - pose_b.linear() * (surface_point(b) - b.origin());
 }
 
 Eigen::Matrix3d TwinRandom::quarter_turns() {
