@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Triangle_3.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -28,13 +29,16 @@ Point exact(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 CGAL::Bbox_3 box(const Triangle& t) { return t[0].bbox() + t[1].bbox() + t[2].bbox(); }
 
 bool boxes_farther(const CGAL::Bbox_3& a, const CGAL::Bbox_3& b, double distance) {
+  // Wide enough for the rounding of these sums.
+  const double reach = distance * (1 + 1e-12);
+  double squared = 0;
   for (int k = 0; k < 3; ++k) {
-    // Wide enough for the rounding of this sum.
-    const double reach = distance * (1 + 1e-12);
-    const double slack = 1e-12 * (std::abs(a.max(k)) + std::abs(b.max(k)));
-    if (a.max(k) + reach + slack < b.min(k) || b.max(k) + reach + slack < a.min(k)) return true;
+    const double slack = 1e-12 * (std::abs(a.max(k)) + std::abs(b.max(k)) + reach);
+    const double gap = std::max({b.min(k) - a.max(k) - slack, a.min(k) - b.max(k) - slack, 0.0});
+    if (gap > reach) return true;
+    squared += gap * gap;
   }
-  return false;
+  return std::sqrt(squared) > reach;
 }
 
 // CGAL wants triangles with an area; the distances below treat the others, since

@@ -158,7 +158,7 @@ class MovingTwinTest {
   Scene scene(int number) {
     const Body& a = random_.one_of(number % 256 == 0 ? large_ : small_);
     const Body& b = random_.one_of(number % 64 == 0 ? large_ : small_);
-    Scene scene{a, b, motion(a, random_.pose()), motion(b, random_.pose()), random_.margin(a.diagonal())};
+    Scene scene{a, b, motion(a, random_.pose()), motion(b, random_.pose()), random_.margin(a, b)};
     const unsigned kind = random_.below(16);
     if (kind == 0) share_motion(scene);
     if (kind < 3) {

@@ -54,7 +54,7 @@ class TwinTest {
       // Every 80th pair has a large body, every 800th has two.
       const Body& a = random_.one_of(i % 800 == 0 ? large_ : small_);
       const Body& b = random_.one_of(i % 80 == 0 ? large_ : small_);
-      const double margin = random_.margin(a.diagonal());
+      const double margin = random_.margin(a, b);
       Pose pose_a = random_.pose(), pose_b = random_.pose();
       const unsigned kind = random_.below(8);
       if (kind < 2) {

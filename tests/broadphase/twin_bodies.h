@@ -8,6 +8,7 @@
 #include <encage/broadphase.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -55,8 +56,10 @@ class TwinRandom {
   Eigen::Vector3d direction();
   /// Up to 1e4 from the origin; some drift from rigid like poses integrated without care, up to what is accepted.
   Eigen::Isometry3d pose();
-  /// 0 twice in three times, else 0.3 to 1e-8 of the size.
-  double margin(double size) { return below(3) != 0 ? 0 : std::pow(10.0, -uniform(0.5, 8)) * size; }
+  /// 0 twice in three times, else 0.3 to 1e-8 of a's size, of which what is far beyond b's does not count.
+  double margin(const Body& a, const Body& b) {
+    return below(3) != 0 ? 0 : std::pow(10.0, -uniform(0.5, 8)) * std::min(a.diagonal(), 8 * b.diagonal());
+  }
   Eigen::Matrix3d quarter_turns();
   /// Multiples of an eighth, up to 2.5.
   Eigen::Vector3d lattice_point();
