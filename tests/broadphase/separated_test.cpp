@@ -136,10 +136,12 @@ TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
   const TwinFigures& figures = twin.figures;
   figures.record();
   // The test attacks only if both answers are common.
-  EXPECT_GT(figures.contacts, figures.asked / 5);
   EXPECT_GT(figures.rejected, pairs / 5);
-  EXPECT_GT(figures.far, figures.asked / 20);
   EXPECT_LE(figures.far_kept, figures.far / 100);
+  // Shares of fewer than these are chance (sanitizers run few pairs).
+  if (figures.asked < 50) return;
+  EXPECT_GT(figures.contacts, figures.asked / 5);
+  EXPECT_GT(figures.far, figures.asked / 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, SeparatedResting, testing::Range(0, shards));

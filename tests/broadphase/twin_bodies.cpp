@@ -21,25 +21,22 @@ void add_kinds(const Sample& sample, std::vector<Body>& all) {
   all.emplace_back(moved);
 }
 
+using MakeSamples = std::vector<Sample>(double jitter);
+
+std::vector<Body> all_kinds(MakeSamples* make_shapes, MakeSamples* make_sheets) {
+  std::vector<Body> all;
+  for (const double jitter : {0.0, 1e-4}) {
+    for (const Sample& sample : make_shapes(jitter)) add_kinds(sample, all);
+    for (const Sample& sample : make_sheets(jitter)) add_kinds(sample, all);
+  }
+  return all;
+}
+
 }  // namespace
 
-std::vector<Body> twin_bodies() {
-  std::vector<Body> all;
-  for (const double jitter : {0.0, 1e-4}) {
-    for (const Sample& sample : sample_shapes(jitter)) add_kinds(sample, all);
-    for (const Sample& sample : flat_shapes(jitter)) add_kinds(sample, all);
-  }
-  return all;
-}
+std::vector<Body> twin_bodies() { return all_kinds(sample_shapes, flat_shapes); }
 
-std::vector<Body> large_twin_bodies() {
-  std::vector<Body> all;
-  for (const double jitter : {0.0, 1e-4}) {
-    for (const Sample& sample : large_sample_shapes(jitter)) add_kinds(sample, all);
-    for (const Sample& sample : large_flat_shapes(jitter)) add_kinds(sample, all);
-  }
-  return all;
-}
+std::vector<Body> large_twin_bodies() { return all_kinds(large_sample_shapes, large_flat_shapes); }
 
 void TwinFigures::record() const {
   testing::Test::RecordProperty("rejected", rejected);

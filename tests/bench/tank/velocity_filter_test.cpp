@@ -20,6 +20,13 @@ BodyState at(const MassProperties& mass, const Eigen::Vector3d& centre, const Ei
   return body;
 }
 
+FilterOptions weightless(double restitution = FilterOptions().restitution) {
+  FilterOptions options;
+  options.gravity.setZero();
+  options.restitution = restitution;
+  return options;
+}
+
 double closest(const std::vector<BodyState>& bodies) {
   double least = 1e9;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -37,10 +44,7 @@ double energy(const MassProperties& mass, const std::vector<BodyState>& bodies) 
 TEST(VelocityFilter, HeadOnCollisionExchangesMomentum) {
   const MassProperties mass = ball();
   const BallDetector detector(1);
-  FilterOptions options;
-  options.gravity.setZero();
-  options.restitution = 1;
-  VelocityFilter filter(detector, mass, {}, options);
+  VelocityFilter filter(detector, mass, {}, weightless(1));
   std::vector<BodyState> bodies = {at(mass, {-1.01, 0, 0}, {3, 0, 0}), at(mass, {1.01, 0, 0}, {-1, 0, 0})};
   FilterReport report;
   for (int i = 0; i < 50; ++i) {
@@ -58,10 +62,7 @@ TEST(VelocityFilter, HeadOnCollisionExchangesMomentum) {
 TEST(VelocityFilter, RestitutionTakesItsShareOfTheEnergy) {
   const MassProperties mass = ball();
   const BallDetector detector(1);
-  FilterOptions options;
-  options.gravity.setZero();
-  options.restitution = 0.5;
-  VelocityFilter filter(detector, mass, {}, options);
+  VelocityFilter filter(detector, mass, {}, weightless(0.5));
   std::vector<BodyState> bodies = {at(mass, {-1.01, 0, 0}, {2, 0, 0}), at(mass, {1.01, 0, 0}, {-2, 0, 0})};
   FilterReport report;
   for (int i = 0; i < 50; ++i) filter.step(bodies, report);
@@ -73,10 +74,7 @@ TEST(VelocityFilter, ImpulseRunsThroughARow) {
   // Newton's cradle: the momentum goes to the far end, through bodies that nearly touch.
   const MassProperties mass = ball();
   const BallDetector detector(1);
-  FilterOptions options;
-  options.gravity.setZero();
-  options.restitution = 1;
-  VelocityFilter filter(detector, mass, {}, options);
+  VelocityFilter filter(detector, mass, {}, weightless(1));
   std::vector<BodyState> bodies;
   for (int i = 0; i < 5; ++i) bodies.push_back(at(mass, {2.0001 * i, 0, 0}, {0, 0, 0}));
   bodies.push_back(at(mass, {-2.3, 0, 0}, {2, 0, 0}));
@@ -115,9 +113,7 @@ TEST(VelocityFilter, BookkeepingOfEnergyAndMomentum) {
 TEST(VelocityFilter, WithoutWallsNorGravityMomentumIsConserved) {
   const MassProperties mass = ball();
   const BallDetector detector(1);
-  FilterOptions options;
-  options.gravity.setZero();
-  VelocityFilter filter(detector, mass, {}, options);
+  VelocityFilter filter(detector, mass, {}, weightless());
   shapes::Random random(8);
   std::vector<BodyState> bodies;
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
@@ -149,9 +145,7 @@ class Jam : public BallDetector {
 TEST(VelocityFilter, HoldsWhatItCannotSolveAndThoseThatRunIntoIt) {
   const MassProperties mass = ball();
   const Jam detector;
-  FilterOptions options;
-  options.gravity.setZero();
-  VelocityFilter filter(detector, mass, {}, options);
+  VelocityFilter filter(detector, mass, {}, weightless());
   // A row whose boxes overlap one by one, and one body far away.
   std::vector<BodyState> bodies;
   for (int i = 0; i < 4; ++i) bodies.push_back(at(mass, {1.9 * i, 0, 0}, {0.1, 0, 0}));
@@ -161,7 +155,7 @@ TEST(VelocityFilter, HoldsWhatItCannotSolveAndThoseThatRunIntoIt) {
   std::vector<Motion> trials;
   filter.step(bodies, report, &trials);
   EXPECT_EQ(report.held, 4);
-  EXPECT_EQ(report.passes, 1 + options.most_passes);
+  EXPECT_EQ(report.passes, 1 + FilterOptions().most_passes);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(bodies[i].centre, before[i].centre);
     EXPECT_EQ(bodies[i].rotation, before[i].rotation);
