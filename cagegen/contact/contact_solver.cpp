@@ -264,7 +264,8 @@ void ContactSolver::add_all_near(const Step& step) {
   sort_unique(strict_);
 }
 
-/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers.
+/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers. Contacts none of whose
+/// vertices moved since they were looked at are passed over.
 void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
   y = wanted;
   for (const Contact& c : contacts_) {
@@ -272,16 +273,31 @@ void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
     for (int k = 0; k < c.count; ++k) y[c.vertex[k]] += c.multiplier * c.weight[k] * c.normal;
   }
   const double tolerance = 0.05 * options_.clearance;
+  const double least = 0.1 * tolerance;  // changes below it are not worth their consequences
+  moved_at_.assign(y.size(), 1);
+  seen_at_.assign(contacts_.size(), 0);
+  std::int64_t now = 1;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     double worst = 0;
-    for (Contact& c : contacts_) {
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      Contact& c = contacts_[i];
+      bool stale = false;
+      for (int k = 0; k < c.count; ++k) stale = stale || moved_at_[c.vertex[k]] > seen_at_[i];
+      if (!stale) continue;
+      seen_at_[i] = now;
       double value = 0;
       for (int k = 0; k < c.count; ++k) value += c.weight[k] * c.normal.dot(y[c.vertex[k]]);
       const double change = std::max((c.offset - value) / c.norm2, -c.multiplier);
-      if (change == 0) continue;
-      worst = std::max(worst, std::abs(change) * std::sqrt(c.norm2));
+      const double length = std::abs(change) * std::sqrt(c.norm2);
+      if (length <= least) continue;
+      worst = std::max(worst, length);
+      ++now;
       c.multiplier += change;
-      for (int k = 0; k < c.count; ++k) y[c.vertex[k]] += change * c.weight[k] * c.normal;
+      for (int k = 0; k < c.count; ++k) {
+        y[c.vertex[k]] += change * c.weight[k] * c.normal;
+        moved_at_[c.vertex[k]] = now;
+      }
+      seen_at_[i] = now;
     }
     if (worst < tolerance) break;
   }

@@ -113,6 +113,8 @@ class ContactSolver {
   std::vector<Pair> known_;  ///< pairs with a contact, sorted
   std::vector<Pair> strict_;
   std::vector<Contact> contacts_;
+  std::vector<std::int64_t> moved_at_;  ///< of vertices in project(): when
+  std::vector<std::int64_t> seen_at_;   ///< of contacts
   std::vector<std::int32_t> jammed_;
   std::int64_t work_ = 0;
 };

@@ -60,12 +60,7 @@ std::optional<TriangleMesh> collapse_to(const TriangleMesh& mesh, std::int64_t f
 
 std::optional<TriangleMesh> decimate(const TriangleMesh& mesh, std::int64_t faces, Decimation kind, double gap,
                                      const std::function<void()>& check) {
-  for (const std::int64_t target : {faces, faces + faces / 2, 2 * faces}) {
-    Attempt result = attempt(mesh, target, 2 * faces, kind, gap, check);
-    if (result.mesh) return std::move(result.mesh);
-    if (result.reached > target) break;  // with more faces it would end there again
-  }
-  return std::nullopt;
+  return attempt(mesh, faces, faces, kind, gap, check).mesh;
 }
 
 }  // namespace encage::makers

@@ -26,8 +26,7 @@ std::optional<std::array<std::int32_t, 2>> find_self_contact(const TriangleMesh&
 /// Vertices are rounded to float32. No value if some remain.
 std::optional<TriangleMesh> untangle(const TriangleMesh& mesh, double gap);
 
-/// Decimates and untangles. If that fails, the same without the collapses that would bring triangles into contact,
-/// then with more faces (up to twice as many). No value if that fails too.
+/// Decimates to at most `faces` and untangles. No value if that fails.
 std::optional<TriangleMesh> decimate(const TriangleMesh& mesh, std::int64_t faces, Decimation kind, double gap,
                                      const std::function<void()>& check);
 

@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "cagegen/flow/parallel.h"
 #include "cagegen/flow/pull.h"
@@ -15,7 +17,6 @@ namespace encage::makers {
 
 namespace {
 
-constexpr int kMostSteps = 300;
 // Depth first asked for, in gaps: what conservative tests and rounding take from it.
 constexpr double kFirstDepth = 1.25;
 // Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit,
@@ -26,18 +27,32 @@ constexpr double kGreatestDepth = 0.1;
 constexpr double kLongestMove = 0.03;
 // Times that a move is halved before the vertex stays where it is.
 constexpr int kHalvings = 4;
-// Steps without fewer triangles touching before the stuck patch is smoothed, passes of a smoothing, and how often.
+// Steps without fewer triangles touching before the stuck patch is smoothed, and passes of a smoothing.
 constexpr int kPatience = 10;
 constexpr int kPasses = 3;
-constexpr int kMostSmoothings = 12;
 // Items between two calls of the request's check.
 constexpr std::size_t kBlock = 32768;
 
-/// Sorts and drops what occurs twice.
-void make_set(std::vector<std::int32_t>& indices) {
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-}
+/// Collects indices, each once.
+class IndexSet {
+ public:
+  void reset(std::size_t count) { has_.assign(count, 0); }
+  void add(std::int32_t i) {
+    if (has_[i]) return;
+    has_[i] = 1;
+    members_.push_back(i);
+  }
+  /// Empties the set. The result ascends.
+  std::vector<std::int32_t> take() {
+    for (const std::int32_t i : members_) has_[i] = 0;
+    std::sort(members_.begin(), members_.end());
+    return std::exchange(members_, {});
+  }
+
+ private:
+  std::vector<char> has_;
+  std::vector<std::int32_t> members_;
+};
 
 class Flow {
  public:
@@ -57,7 +72,7 @@ class Flow {
   std::span<const std::int32_t> triangles_at(std::int32_t v) const {
     return {around_.data() + first_[v], around_.data() + first_[v + 1]};
   }
-  std::vector<std::int32_t> dirty_vertices() const;
+  std::vector<std::int32_t> dirty_vertices();
 
   /// Calls work(from, to) for blocks of [0, count) on all threads, and the request's check between them.
   template <class Work>
@@ -87,6 +102,8 @@ class Flow {
   std::vector<double> depth_;        ///< asked for, of each vertex
   std::vector<std::int32_t> dirty_;  ///< triangles not proven inside, ascending
   std::vector<std::int32_t> slot_;   ///< of each triangle in dirty_, or -1
+  IndexSet vertex_set_;
+  IndexSet triangle_set_;
   FlowResult result_;
 };
 
@@ -102,6 +119,8 @@ Flow::Flow(const FlowRequest& request)
   nearest_.resize(vertices);
   depth_.assign(vertices, kFirstDepth * request.gap);
   for (std::size_t v = 0; v < vertices; ++v) place_[v] = request.fine->vertex(static_cast<std::int32_t>(v));
+  vertex_set_.reset(vertices);
+  triangle_set_.reset(static_cast<std::size_t>(triangles_.rows()));
   slot_.assign(static_cast<std::size_t>(triangles_.rows()), -1);
   // Vertices with near numbers lie near each other in most files: a good start.
   for_blocks(vertices, [&](std::size_t from, std::size_t to) {
@@ -177,13 +196,11 @@ void Flow::find_dirty(const std::vector<std::int32_t>& candidates) {
   }
 }
 
-std::vector<std::int32_t> Flow::dirty_vertices() const {
-  std::vector<std::int32_t> vertices;
+std::vector<std::int32_t> Flow::dirty_vertices() {
   for (const std::int32_t t : dirty_) {
-    for (int k = 0; k < 3; ++k) vertices.push_back(triangles_(t, k));
+    for (int k = 0; k < 3; ++k) vertex_set_.add(triangles_(t, k));
   }
-  make_set(vertices);
-  return vertices;
+  return vertex_set_.take();
 }
 
 void Flow::step() {
@@ -246,7 +263,7 @@ Flow::Move Flow::move(std::int32_t v, Point jump) const {
 void Flow::apply(const std::vector<std::int32_t>& vertices, const std::vector<Move>& moves) {
   std::vector<std::int32_t> moved;
   std::vector<Eigen::Vector3f> places;
-  std::vector<std::int32_t> changed = dirty_;
+  for (const std::int32_t t : dirty_) triangle_set_.add(t);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!moves[i].made) continue;
     const std::int32_t v = vertices[i];
@@ -254,11 +271,12 @@ void Flow::apply(const std::vector<std::int32_t>& vertices, const std::vector<Mo
     nearest_[v] = moves[i].nearest;
     moved.push_back(v);
     places.push_back(moves[i].place.cast<float>());
-    changed.insert(changed.end(), triangles_at(v).begin(), triangles_at(v).end());
+    for (const std::int32_t t : triangles_at(v)) triangle_set_.add(t);
   }
+  moved.shrink_to_fit();
+  places.shrink_to_fit();
   result_.history.push(std::move(moved), std::move(places));
-  make_set(changed);
-  find_dirty(changed);
+  find_dirty(triangle_set_.take());
 }
 
 void Flow::ask_for_more() {
@@ -282,13 +300,12 @@ Point Flow::average_of_neighbours(std::int32_t v) const {
 
 /// Uniform Laplacian steps of the stuck vertices and their neighbours, which may lead through C^.
 void Flow::smooth() {
-  std::vector<std::int32_t> patch;
   for (const std::int32_t v : dirty_vertices()) {
     for (const std::int32_t t : triangles_at(v)) {
-      for (int k = 0; k < 3; ++k) patch.push_back(triangles_(t, k));
+      for (int k = 0; k < 3; ++k) vertex_set_.add(triangles_(t, k));
     }
   }
-  make_set(patch);
+  const std::vector<std::int32_t> patch = vertex_set_.take();
   std::vector<Move> moves(patch.size());
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t i = 0; i < patch.size(); ++i) moves[i].place = round_to_float(average_of_neighbours(patch[i]));
@@ -306,12 +323,12 @@ void Flow::smooth() {
 FlowResult Flow::run() {
   std::size_t fewest = dirty_.size() + 1;
   int waited = 0;
-  while (!dirty_.empty() && result_.history.steps() < kMostSteps) {
+  while (!dirty_.empty() && result_.history.steps() < request_.most_steps) {
     if (dirty_.size() < fewest) {
       fewest = dirty_.size();
       waited = 0;
     } else if (++waited > kPatience) {
-      if (result_.smoothing_steps == kMostSmoothings) break;
+      if (result_.smoothing_steps >= request_.most_smoothings) break;
       smooth();
       fewest = dirty_.size() + 1;
       waited = 0;

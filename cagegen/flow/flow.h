@@ -15,6 +15,8 @@ struct FlowRequest {
   const TriangleMesh* coarse = nullptr;  ///< C^: closed, oriented, embedded; stays where it is
   double diagonal = 0;                   ///< of the source, the unit of all limits
   double gap = 0;                        ///< what F must keep to C^ when it is inside; length
+  int most_steps = 300;
+  int most_smoothings = 12;  ///< of what is stuck: the last resort
   int threads = 1;
   std::function<void()> check;  ///< called often; may throw to cancel
 };
