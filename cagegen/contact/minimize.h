@@ -13,7 +13,7 @@ struct MinimizeRequest {
   const TriangleMesh* rest = nullptr;  ///< C^, with the cage's triangles
   const CageEnergy* energy = nullptr;
   int iterations = 40;
-  double enough = 0.002;  ///< stop when a step gains less than this share of what all have gained
+  double enough = 0.01;  ///< stop when a step gains less than this share of what all have gained
   std::int64_t face_tests = 120'000;  ///< the budget
 };
 
