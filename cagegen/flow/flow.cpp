@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <span>
 #include <utility>
 #include <vector>
 
+#include "cagegen/flow/neighbours.h"
 #include "cagegen/flow/parallel.h"
 #include "cagegen/flow/pull.h"
 #include "cagegen/geometry/obstacle.h"
@@ -28,31 +28,16 @@ constexpr double kLongestMove = 0.03;
 // Times that a move is halved before the vertex stays where it is.
 constexpr int kHalvings = 4;
 // Steps without fewer triangles touching before the stuck patch is smoothed, and passes of a smoothing.
-constexpr int kPatience = 10;
+constexpr int kPatience = 8;
 constexpr int kPasses = 3;
+// Steps without fewer triangles touching before stretched triangles climb; the move they ask for, in roots of their
+// doubled area; sums of cosines without meaning, and triangles of C^ looked at for the direction.
+constexpr int kClimbAfter = 2;
+constexpr double kClimb = 0.5;
+constexpr double kBalanced = 0.01;
+constexpr std::size_t kMostHits = 64;
 // Items between two calls of the request's check.
 constexpr std::size_t kBlock = 32768;
-
-/// Collects indices, each once.
-class IndexSet {
- public:
-  void reset(std::size_t count) { has_.assign(count, 0); }
-  void add(std::int32_t i) {
-    if (has_[i]) return;
-    has_[i] = 1;
-    members_.push_back(i);
-  }
-  /// Empties the set. The result ascends.
-  std::vector<std::int32_t> take() {
-    for (const std::int32_t i : members_) has_[i] = 0;
-    std::sort(members_.begin(), members_.end());
-    return std::exchange(members_, {});
-  }
-
- private:
-  std::vector<char> has_;
-  std::vector<std::int32_t> members_;
-};
 
 class Flow {
  public:
@@ -60,6 +45,11 @@ class Flow {
   FlowResult run();
 
  private:
+  /// What a dirty triangle asks of its corners.
+  struct Wish {
+    Pull pull;
+    bool climbs = false;
+  };
   struct Move {
     Point place = Point::Zero();
     Nearest nearest;
@@ -69,9 +59,6 @@ class Flow {
   Corners corners(std::int32_t t) const {
     return {place_[triangles_(t, 0)], place_[triangles_(t, 1)], place_[triangles_(t, 2)]};
   }
-  std::span<const std::int32_t> triangles_at(std::int32_t v) const {
-    return {around_.data() + first_[v], around_.data() + first_[v + 1]};
-  }
   std::vector<std::int32_t> dirty_vertices();
 
   /// Calls work(from, to) for blocks of [0, count) on all threads, and the request's check between them.
@@ -80,11 +67,12 @@ class Flow {
   template <class Work>
   void for_each(std::size_t count, const Work& work) const;
 
-  void find_neighbours();
   bool is_dirty(std::int32_t t) const;
   void find_dirty(const std::vector<std::int32_t>& candidates);
   void step();
-  Point jump(std::int32_t v, const std::vector<Pull>& pulls) const;
+  bool is_stretched(std::int32_t t) const;
+  Pull climb(std::int32_t t) const;
+  Point jump(std::int32_t v, const std::vector<Wish>& wishes) const;
   Move move(std::int32_t v, Point jump) const;
   void apply(const std::vector<std::int32_t>& vertices, const std::vector<Move>& moves);
   void ask_for_more();
@@ -95,13 +83,13 @@ class Flow {
   const Triangles& triangles_;
   SignedDistance surface_;
   Obstacle obstacle_;
-  std::vector<std::int32_t> first_;  ///< the triangles at vertex v are around_[first_[v]] to around_[first_[v + 1]]
-  std::vector<std::int32_t> around_;
+  Neighbours neighbours_;
   std::vector<Point> place_;
   std::vector<Nearest> nearest_;
   std::vector<double> depth_;        ///< asked for, of each vertex
   std::vector<std::int32_t> dirty_;  ///< triangles not proven inside, ascending
   std::vector<std::int32_t> slot_;   ///< of each triangle in dirty_, or -1
+  int waited_ = 0;                   ///< steps since fewer triangles touched than ever
   IndexSet vertex_set_;
   IndexSet triangle_set_;
   FlowResult result_;
@@ -112,21 +100,21 @@ Flow::Flow(const FlowRequest& request)
       triangles_(request.fine->triangles),
       surface_(*request.coarse),
       obstacle_(*request.coarse),
+      neighbours_(*request.fine),
+      vertex_set_(static_cast<std::size_t>(request.fine->vertices.rows())),
+      triangle_set_(static_cast<std::size_t>(request.fine->triangles.rows())),
       result_{false, {}, FlowHistory(request.fine->vertices), 0, {}} {
-  find_neighbours();
   const auto vertices = static_cast<std::size_t>(request.fine->vertices.rows());
   place_.resize(vertices);
   nearest_.resize(vertices);
   depth_.assign(vertices, kFirstDepth * request.gap);
   for (std::size_t v = 0; v < vertices; ++v) place_[v] = request.fine->vertex(static_cast<std::int32_t>(v));
-  vertex_set_.reset(vertices);
-  triangle_set_.reset(static_cast<std::size_t>(triangles_.rows()));
   slot_.assign(static_cast<std::size_t>(triangles_.rows()), -1);
   // Vertices with near numbers lie near each other in most files: a good start.
   for_blocks(vertices, [&](std::size_t from, std::size_t to) {
     std::int32_t start = 0;
     for (std::size_t v = from; v < to; ++v) {
-      if (first_[v] == first_[v + 1]) continue;
+      if (neighbours_(static_cast<std::int32_t>(v)).empty()) continue;
       nearest_[v] = surface_.nearest(place_[v], start);
       start = nearest_[v].triangle;
     }
@@ -150,20 +138,6 @@ void Flow::for_each(std::size_t count, const Work& work) const {
   for_blocks(count, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) work(i);
   });
-}
-
-void Flow::find_neighbours() {
-  const auto count = static_cast<std::int32_t>(triangles_.rows());
-  first_.assign(static_cast<std::size_t>(request_.fine->vertices.rows()) + 1, 0);
-  for (std::int32_t t = 0; t < count; ++t) {
-    for (int k = 0; k < 3; ++k) ++first_[triangles_(t, k) + 1];
-  }
-  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-  around_.resize(3 * static_cast<std::size_t>(count));
-  std::vector<std::int32_t> next(first_.begin(), first_.end() - 1);
-  for (std::int32_t t = 0; t < count; ++t) {
-    for (int k = 0; k < 3; ++k) around_[next[triangles_(t, k)]++] = t;
-  }
 }
 
 /// False only if the triangle lies inside and keeps the gap.
@@ -204,8 +178,13 @@ std::vector<std::int32_t> Flow::dirty_vertices() {
 }
 
 void Flow::step() {
-  std::vector<Pull> pulls(dirty_.size());
+  const bool may_climb = waited_ >= kClimbAfter;
+  std::vector<Wish> wishes(dirty_.size());
   for_each(dirty_.size(), [&](std::size_t i) {
+    if (may_climb && is_stretched(dirty_[i])) {
+      wishes[i] = {climb(dirty_[i]), true};
+      return;
+    }
     std::array<double, 3> depth;
     std::array<std::int32_t, 3> start;
     for (int k = 0; k < 3; ++k) {
@@ -213,24 +192,61 @@ void Flow::step() {
       depth[k] = depth_[v];
       start[k] = nearest_[v].triangle;
     }
-    pulls[i] = pull(surface_, corners(dirty_[i]), depth, start);
+    wishes[i].pull = pull(surface_, corners(dirty_[i]), depth, start);
   });
   const std::vector<std::int32_t> vertices = dirty_vertices();
   std::vector<Move> moves(vertices.size());
-  for_each(vertices.size(), [&](std::size_t i) { moves[i] = move(vertices[i], jump(vertices[i], pulls)); });
+  for_each(vertices.size(), [&](std::size_t i) {
+    const std::int32_t v = vertices[i];
+    moves[i] = move(v, jump(v, wishes));
+    // What the triangles ask for may lead nowhere; its own way in is free.
+    const double missing = nearest_[v].distance + kFirstDepth * request_.gap;
+    if (!moves[i].made && missing > 0) moves[i] = move(v, -missing * nearest_[v].direction);
+  });
   apply(vertices, moves);
   ask_for_more();
 }
 
+/// Stuck across a gap of C^: its corners are inside, to the left and to the right.
+bool Flow::is_stretched(std::int32_t t) const {
+  for (int k = 0; k < 3; ++k) {
+    if (nearest_[triangles_(t, k)].distance > -request_.gap) return false;
+  }
+  return !is_thin(corners(t));
+}
+
+/// Along the triangle's normal, to the end of the gap, where C^ closes: against the normals of what it hits. The
+/// walls, nearly at right angles to the triangle, count little, and where all is in balance it goes inward.
+/// Distances would draw it to either wall.
+/// (Intersection contours shrink on the same way: Volino and Magnenat-Thalmann 2006.)
+Pull Flow::climb(std::int32_t t) const {
+  const Corners c = corners(t);
+  const Prism prism(c);
+  std::vector<std::int32_t> hits;
+  obstacle_.hits(prism, request_.gap, kMostHits, hits);
+  double facing = 0;
+  for (const std::int32_t hit : hits) {
+    const Prism wall(obstacle_.corners(hit));
+    if (wall.valid) facing += wall.normal.dot(prism.normal);
+  }
+  const double length = kClimb * std::sqrt((c[1] - c[0]).cross(c[2] - c[0]).norm());
+  Pull result;
+  result.jump.fill((facing < -kBalanced ? -length : length) * prism.normal);
+  result.weight.fill(1);
+  return result;
+}
+
 /// Average of the Newton jumps of the vertex and of the quadrature points around it, where the depth is missed.
 /// Every dirty triangle counts the same, and the vertex as much as all of them: degenerate triangles must move too.
-Point Flow::jump(std::int32_t v, const std::vector<Pull>& pulls) const {
+Point Flow::jump(std::int32_t v, const std::vector<Wish>& wishes) const {
   Point sum = Point::Zero();
   double weight = 0;
   double own_weight = 0;
-  for (const std::int32_t t : triangles_at(v)) {
+  bool climbing = false;
+  for (const std::int32_t t : neighbours_(v)) {
     if (slot_[t] < 0) continue;
-    const Pull& pull = pulls[slot_[t]];
+    const auto& [pull, climbs] = wishes[slot_[t]];
+    climbing = climbing || climbs;
     for (int k = 0; k < 3; ++k) {
       if (triangles_(t, k) != v) continue;
       sum -= pull.jump[k];
@@ -238,7 +254,7 @@ Point Flow::jump(std::int32_t v, const std::vector<Pull>& pulls) const {
       own_weight += 1.0 / 3;
     }
   }
-  const double missing = nearest_[v].distance + depth_[v];
+  const double missing = nearest_[v].distance + (climbing ? kFirstDepth * request_.gap : depth_[v]);
   if (missing > 0) {
     sum -= own_weight * missing * nearest_[v].direction;
     weight += own_weight;
@@ -271,7 +287,7 @@ void Flow::apply(const std::vector<std::int32_t>& vertices, const std::vector<Mo
     nearest_[v] = moves[i].nearest;
     moved.push_back(v);
     places.push_back(moves[i].place.cast<float>());
-    for (const std::int32_t t : triangles_at(v)) triangle_set_.add(t);
+    for (const std::int32_t t : neighbours_(v)) triangle_set_.add(t);
   }
   moved.shrink_to_fit();
   places.shrink_to_fit();
@@ -288,7 +304,7 @@ void Flow::ask_for_more() {
 Point Flow::average_of_neighbours(std::int32_t v) const {
   Point sum = Point::Zero();
   int count = 0;
-  for (const std::int32_t t : triangles_at(v)) {
+  for (const std::int32_t t : neighbours_(v)) {
     for (int k = 0; k < 3; ++k) {
       if (triangles_(t, k) == v) continue;
       sum += place_[triangles_(t, k)];
@@ -301,7 +317,7 @@ Point Flow::average_of_neighbours(std::int32_t v) const {
 /// Uniform Laplacian steps of the stuck vertices and their neighbours, which may lead through C^.
 void Flow::smooth() {
   for (const std::int32_t v : dirty_vertices()) {
-    for (const std::int32_t t : triangles_at(v)) {
+    for (const std::int32_t t : neighbours_(v)) {
       for (int k = 0; k < 3; ++k) vertex_set_.add(triangles_(t, k));
     }
   }
@@ -322,16 +338,15 @@ void Flow::smooth() {
 
 FlowResult Flow::run() {
   std::size_t fewest = dirty_.size() + 1;
-  int waited = 0;
   while (!dirty_.empty() && result_.history.steps() < request_.most_steps) {
     if (dirty_.size() < fewest) {
       fewest = dirty_.size();
-      waited = 0;
-    } else if (++waited > kPatience) {
+      waited_ = 0;
+    } else if (++waited_ > kPatience) {
       if (result_.smoothing_steps >= request_.most_smoothings) break;
       smooth();
       fewest = dirty_.size() + 1;
-      waited = 0;
+      waited_ = 0;
       continue;
     }
     step();

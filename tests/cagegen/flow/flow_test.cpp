@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <map>
 
 #include "cagegen/certify/separation.h"
 #include "cagegen/flow/signed_distance.h"
@@ -63,10 +64,38 @@ TriangleMesh prism(const std::vector<std::array<double, 2>>& polygon,
   return shapes::mesh(vertices, triangles);
 }
 
-/// A U of two arms, x < 1 and x > 2, on a foot, y < 1.
-TriangleMesh u_shape() {
-  return prism({{0, 0}, {3, 0}, {3, 4}, {2, 4}, {2, 1}, {1, 1}, {1, 4}, {0, 4}},
+/// A U of two arms, x < 1 and x > 2, on a foot, y < `foot`.
+TriangleMesh u_shape(double foot) {
+  return prism({{0, 0}, {3, 0}, {3, 4}, {2, 4}, {2, foot}, {1, foot}, {1, 4}, {0, 4}},
                {{0, 1, 5}, {1, 4, 5}, {1, 2, 4}, {2, 3, 4}, {0, 5, 6}, {0, 6, 7}});
+}
+
+/// A block with a narrow V cut into it from y = 4 down to y = `foot`.
+TriangleMesh v_shape(double foot) {
+  return prism({{0, 0}, {3, 0}, {3, 4}, {2, 4}, {1.5, foot}, {1, 4}, {0, 4}},
+               {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {0, 4, 6}, {4, 5, 6}});
+}
+
+/// Every triangle into four.
+TriangleMesh subdivided(const TriangleMesh& mesh) {
+  std::vector<std::array<double, 3>> vertices;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::map<std::array<double, 3>, std::int32_t> known;
+  const auto vertex = [&](const Point& p) {
+    const auto [it, added] = known.try_emplace({p.x(), p.y(), p.z()}, static_cast<std::int32_t>(vertices.size()));
+    if (added) vertices.push_back(it->first);
+    return it->second;
+  };
+  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
+    const Corners c = shapes::corners(mesh, t);
+    std::array<std::int32_t, 6> v;
+    for (int k = 0; k < 3; ++k) {
+      v[k] = vertex(c[k]);
+      v[k + 3] = vertex((c[k] + c[(k + 1) % 3]) / 2);
+    }
+    triangles.insert(triangles.end(), {{v[0], v[3], v[5]}, {v[3], v[1], v[4]}, {v[5], v[4], v[2]}, {v[3], v[4], v[5]}});
+  }
+  return shapes::mesh(vertices, triangles);
 }
 
 /// A ball in the U's left arm with one vertex pulled out to `tip`.
@@ -150,7 +179,7 @@ TEST(Flow, TakesComponentsAndCavities) {
 }
 
 TEST(Flow, StallsWithATipInTheWrongArm) {
-  const TriangleMesh coarse = u_shape();
+  const TriangleMesh coarse = u_shape(1);
   const TriangleMesh fine = ball_with_spike(Point(2.5, 3, 0.5));
   FlowRequest asked = request(fine, coarse);
   asked.most_smoothings = 0;
@@ -171,7 +200,7 @@ TEST(Flow, StallsWithATipInTheWrongArm) {
 }
 
 TEST(Flow, SmoothingBringsTheTipBack) {
-  const TriangleMesh coarse = u_shape();
+  const TriangleMesh coarse = u_shape(1);
   const TriangleMesh fine = ball_with_spike(Point(2.5, 3, 0.5));
   const FlowResult result = flow(request(fine, coarse));
   EXPECT_TRUE(result.inside);
@@ -181,13 +210,35 @@ TEST(Flow, SmoothingBringsTheTipBack) {
 }
 
 TEST(Flow, ATipBetweenTheArmsComesInWithoutSmoothing) {
-  const TriangleMesh coarse = u_shape();
+  const TriangleMesh coarse = u_shape(1);
   const TriangleMesh fine = ball_with_spike(Point(1.2, 3, 0.5));
   FlowRequest asked = request(fine, coarse);
   asked.most_smoothings = 0;
   const FlowResult result = flow(asked);
   EXPECT_TRUE(result.inside);
   expect_inside(at(fine, result.positions), coarse);
+}
+
+TEST(Flow, DrawsTheSkinOutOfAGap) {
+  // The skin between the arms has nothing but the arms' walls to left and right; it has to go down.
+  const TriangleMesh coarse = u_shape(1);
+  for (const double foot : {1.2, 1.4, 1.6}) {
+    const TriangleMesh fine = shapes::rounded(subdivided(subdivided(subdivided(u_shape(foot)))));
+    const FlowResult result = flow(request(fine, coarse));
+    EXPECT_TRUE(result.inside) << foot;
+    expect_inside(at(fine, result.positions), coarse);
+  }
+}
+
+TEST(Flow, StretchedTrianglesClimbOutOfANotch) {
+  // Neither deeper targets nor smoothing bring these in.
+  const TriangleMesh coarse = v_shape(1);
+  for (const double foot : {1.5, 1.8, 2.5}) {
+    const TriangleMesh fine = shapes::rounded(subdivided(subdivided(subdivided(v_shape(foot)))));
+    const FlowResult result = flow(request(fine, coarse));
+    EXPECT_TRUE(result.inside) << foot;
+    expect_inside(at(fine, result.positions), coarse);
+  }
 }
 
 TEST(Flow, EndsWhereItCannotSucceed) {
