@@ -18,7 +18,7 @@ std::string reason(const Model& model) {
 }
 
 std::string escaped(std::string cell) {
-  for (std::size_t i = 0; (i = cell.find('|', i)) != std::string::npos; i += 2) cell.insert(i, "\\");
+  for (std::size_t i = 0; (i = cell.find('|', i)) != std::string::npos; i += 2) cell.insert(i, 1, '\\');
   std::replace(cell.begin(), cell.end(), '\n', ' ');
   return cell;
 }
