@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/zoo/compare.h"
+#include "bench/zoo/comparison.h"
 #include "bench/zoo/report.h"
 #include "bench/zoo/zoo.h"
 #include "cagegen/tool/bake_options.h"

@@ -75,27 +75,25 @@ Decimator failing_below(std::int64_t least) {
 }
 
 TEST(BakeFlow, MakesCertifiedLevels) {
-  for (const TriangleMesh& mesh : {sphere(3), torus(1, 0.4, 24, 12)}) {
-    const SourceMesh source = sanitize(mesh);
-    BakeReport report;
-    const CageHierarchy cages = bake(source, flow_with_faces({200, 60}), {}, &report);
-    ASSERT_EQ(cages.levels.size(), 2u);
-    expect_certified(cages, source);
-    for (const CageLevel& level : cages.levels) {
-      EXPECT_EQ(level.certificate.method, Method::flow);
-      EXPECT_NE(level.certificate.start, "");
-    }
-    ASSERT_EQ(report.levels.size(), 2u);
-    for (const BakeReport::Level& level : report.levels) EXPECT_GT(level.reinflate_seconds, 0);
-    EXPECT_EQ(report.failure, "");
+  const SourceMesh source = sanitize(torus(1, 0.4, 24, 12));
+  BakeReport report;
+  const CageHierarchy cages = bake(source, flow_with_faces({160, 60}), {}, &report);
+  ASSERT_EQ(cages.levels.size(), 2u);
+  expect_certified(cages, source);
+  for (const CageLevel& level : cages.levels) {
+    EXPECT_EQ(level.certificate.method, Method::flow);
+    EXPECT_NE(level.certificate.start, "");
   }
+  ASSERT_EQ(report.levels.size(), 2u);
+  for (const BakeReport::Level& level : report.levels) EXPECT_GT(level.reinflate_seconds, 0);
+  EXPECT_EQ(report.failure, "");
 }
 
 TEST(BakeFlow, SameCagesForAnyNumberOfThreads) {
-  const SourceMesh source = sanitize(torus(1, 0.4, 24, 12));
+  const SourceMesh source = sanitize(torus(1, 0.4, 16, 8));
   for (const BakeMethod method : {BakeMethod::flow, BakeMethod::automatic}) {
-    const CageHierarchy one = bake(source, with_faces({160, 60}, 1, method), {});
-    const CageHierarchy two = bake(source, with_faces({160, 60}, 3, method), {});
+    const CageHierarchy one = bake(source, with_faces({100, 40}, 1, method), {});
+    const CageHierarchy two = bake(source, with_faces({100, 40}, 3, method), {});
     ASSERT_EQ(one.levels.size(), two.levels.size());
     for (std::size_t i = 0; i < one.levels.size(); ++i) {
       EXPECT_EQ(one.levels[i].mesh.vertices, two.levels[i].mesh.vertices);
@@ -107,7 +105,7 @@ TEST(BakeFlow, SameCagesForAnyNumberOfThreads) {
 
 TEST(BakeFlow, AutomaticIsNeverLooserThanEither) {
   for (const TriangleMesh& mesh :
-       {sphere(3), torus(1, 0.4, 24, 12), joined(sphere(2), moved(scaled(sphere(2), 0.5), {3, 0, 0}))}) {
+       {sphere(2), torus(1, 0.4, 16, 8), joined(sphere(2), moved(scaled(sphere(1), 0.5), {3, 0, 0}))}) {
     const SourceMesh source = sanitize(mesh);
     const auto run = [&](BakeMethod method) { return bake(source, with_faces({60, 24}, 2, method), {}); };
     const CageHierarchy both = run(BakeMethod::automatic);
@@ -120,13 +118,13 @@ TEST(BakeFlow, AutomaticIsNeverLooserThanEither) {
 TEST(BakeFlow, AutomaticTakesOddInput) {
   shapes::Random random(7);
   TriangleMesh soup = shapes::mesh({}, {});
-  for (int i = 0; i < 40; ++i) soup = shapes::with_triangle(soup, random.point(1), random.point(1), random.point(1));
-  TriangleMesh open = sphere(3);
-  open.triangles.conservativeResize(open.triangles.rows() - 60, 3);
-  const TriangleMesh crossing = joined(torus(1, 0.3, 20, 10), moved(torus(1, 0.3, 20, 10), {0.5, 0.1, 0}));
+  for (int i = 0; i < 20; ++i) soup = shapes::with_triangle(soup, random.point(1), random.point(1), random.point(1));
+  TriangleMesh open = sphere(2);
+  open.triangles.conservativeResize(open.triangles.rows() - 20, 3);
+  const TriangleMesh crossing = joined(torus(1, 0.3, 12, 6), moved(torus(1, 0.3, 12, 6), {0.5, 0.1, 0}));
   for (const TriangleMesh& mesh : {soup, open, crossing, scaled(sphere(2), 1e-20), scaled(sphere(2), 1e20)}) {
     const SourceMesh source = sanitize(mesh);
-    expect_certified(bake(source, with_faces({36, 16}, 2, BakeMethod::automatic), {}), source);
+    expect_certified(bake(source, with_faces({16}, 2, BakeMethod::automatic), {}), source);
   }
 }
 
@@ -319,7 +317,7 @@ TEST(BakeFlow, Cancel) {
     BakeOptions options = with_faces({100, 40}, 2, method);
     options.energy_inflate = options.energy_final = std::make_shared<Cancelling>(cancel);
     options.keep_partial = true;
-    EXPECT_THROW(bake(sphere(4), options, context), Cancelled);
+    EXPECT_THROW(bake(sphere(3), options, context), Cancelled);
     EXPECT_TRUE(cancel);
     // Before the flow of the second level.
     cancel = false;
@@ -328,7 +326,7 @@ TEST(BakeFlow, Cancel) {
       cancel = faces == 40;
       return regular_decimator()(finer, undeformed, faces);
     };
-    EXPECT_THROW(bake(sphere(4), options, context), Cancelled);
+    EXPECT_THROW(bake(sphere(3), options, context), Cancelled);
   }
 }
 
@@ -350,7 +348,7 @@ TEST(BakeFlow, WithoutTimeNoSecondMethodIsTried) {
 TEST(BakeFlow, OptionsAreRecordedWhereTheyMatter) {
   const auto keys = [](BakeMethod method) {
     std::vector<std::string> found;
-    const nlohmann::json json = nlohmann::json::parse(bake(sphere(2), with_faces({60}, 2, method)).options);
+    const nlohmann::json json = nlohmann::json::parse(bake(sphere(2), with_faces({16}, 2, method)).options);
     for (const auto& [key, value] : json.items()) found.push_back(key);
     return found;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bench/zoo/compare.h"
+#include "bench/zoo/comparison.h"
 
 #include <gtest/gtest.h>
 
