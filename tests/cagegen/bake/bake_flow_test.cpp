@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/cagegen/bake/certified.h"
@@ -343,6 +345,20 @@ TEST(BakeFlow, WithoutTimeNoSecondMethodIsTried) {
   EXPECT_FALSE(called);
   EXPECT_TRUE(cages.truncated);
   expect_certified(cages, source);
+}
+
+TEST(BakeFlow, TheSecondMethodIsGivenUpWhenTimeIsUp) {
+  BakeOptions options = with_faces({40}, 2, BakeMethod::automatic);
+  options.time_limit = 0.3;
+  options.decimator = [](const TriangleMesh& finer, const TriangleMesh& undeformed, std::int64_t faces) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    return regular_decimator()(finer, undeformed, faces);
+  };
+  const SourceMesh source = sanitize(sphere(2));
+  const CageHierarchy cages = bake(source, options, {});
+  EXPECT_TRUE(cages.truncated);
+  expect_certified(cages, source);
+  EXPECT_EQ(cages.levels[0].certificate.method, Method::collapse);
 }
 
 TEST(BakeFlow, OptionsAreRecordedWhereTheyMatter) {
