@@ -4,11 +4,13 @@
 #include <encage/error.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "bench/zoo/comparison.h"
 #include "bench/zoo/report.h"
 #include "bench/zoo/zoo.h"
 #include "cagegen/tool/bake_options.h"
@@ -25,11 +27,14 @@ constexpr const char* examples = R"(Examples:
       cages at 2,000, 500 and 100 faces around every mesh of a folder
   encage-zoo bunny.off fandisk.off --faces 1000 --gallery pictures/
       one level, and pictures of input, section and cage
+  encage-zoo meshes/ --method auto,flow,collapse --markdown methods.md
+      three methods side by side
 
-Exit status: 0 if every mesh got certified cages, 1 if not, 2 for bad usage.)";
+Exit status: 0 if every mesh got certified cages, from every method, 1 if not, 2 for bad usage.)";
 
 struct Arguments {
   std::vector<std::filesystem::path> paths;
+  std::vector<std::string> methods = {"auto"};
   BakeOptions options;
   std::filesystem::path json;
   std::filesystem::path markdown;
@@ -41,7 +46,12 @@ void define(CLI::App& app, Arguments& a) {
   app.add_option("paths", a.paths, "Folders (searched for meshes) and mesh files")->required()->type_name("DIR|FILE");
   a.options.faces = {2000, 500, 100};
   tool::add_faces(app, a.options)->capture_default_str();
-  tool::add_method(app, a.options);
+  app.add_option("--method", a.methods, "auto, flow or collapse; several, separated by commas, are set side by side")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(tool::method_names()).description(""))
+      ->capture_default_str()
+      ->type_name("NAME,...");
   tool::add_threads(app, a.options);
   app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
   app.add_option("--markdown", a.markdown, "Write the table as a Markdown document")->type_name("FILE");
@@ -55,26 +65,63 @@ std::string command_line(int argc, char** argv) {
   return line;
 }
 
-int run(const Arguments& a, const std::string& command) {
-  for (const auto& file : {a.json, a.markdown}) {
-    if (!file.empty()) tool::check_output(file, {});
-  }
-  if (!a.gallery.empty()) std::filesystem::create_directories(a.gallery);
-  const std::vector<std::filesystem::path> files = mesh_files(a.paths);
-  if (files.empty()) throw Error(a.paths.front().string() + ": holds no mesh files");
+/// Where a method's pictures go; several methods get a folder each.
+std::filesystem::path gallery(const Arguments& a, const std::string& method) {
+  if (a.gallery.empty()) return {};
+  const std::filesystem::path folder = a.methods.size() > 1 ? a.gallery / method : a.gallery;
+  std::filesystem::create_directories(folder);
+  return folder;
+}
 
+Model bake_by(const std::string& method, const std::filesystem::path& file, const Arguments& a) {
+  BakeOptions options = a.options;
+  options.method = tool::method_names().at(method);
+  return bake_model(file, options, gallery(a, method));
+}
+
+bool all_certified(const Summary& summary) { return summary.certified == summary.meshes; }
+
+bool run_one(const Arguments& a, const std::vector<std::filesystem::path>& files, const std::string& command) {
   const std::vector<std::int64_t>& faces = a.options.faces;
   std::cout << table_head(faces);
   std::vector<Model> models;
   for (const auto& file : files) {
-    models.push_back(bake_model(file, a.options, a.gallery));
+    models.push_back(bake_by(a.methods.front(), file, a));
     std::cout << table_line(models.back(), faces) << std::flush;
   }
   const Summary summary = summarize(models, faces);
   std::cout << '\n' << to_text(summary);
   if (!a.json.empty()) tool::write_json(a.json, to_json(models, summary));
   if (!a.markdown.empty()) write_atomically(a.markdown, to_markdown(models, summary, faces, command));
-  return summary.certified == summary.meshes ? tool::success : tool::answer_is_no;
+  return all_certified(summary);
+}
+
+bool run_several(const Arguments& a, const std::vector<std::filesystem::path>& files, const std::string& command) {
+  const std::vector<std::int64_t>& faces = a.options.faces;
+  std::cout << comparison_head(faces);
+  std::vector<Contender> contenders;
+  for (const std::string& method : a.methods) contenders.push_back({method, {}});
+  for (const auto& file : files) {
+    for (Contender& contender : contenders) {
+      contender.models.push_back(bake_by(contender.name, file, a));
+      std::cout << comparison_line(contender.name, contender.models.back(), faces) << std::flush;
+    }
+  }
+  std::cout << '\n' << comparison_text(contenders, faces);
+  if (!a.json.empty()) tool::write_json(a.json, comparison_json(contenders, faces));
+  if (!a.markdown.empty()) write_atomically(a.markdown, comparison_markdown(contenders, faces, command));
+  return std::all_of(contenders.begin(), contenders.end(),
+                     [&](const Contender& c) { return all_certified(summarize(c.models, faces)); });
+}
+
+int run(const Arguments& a, const std::string& command) {
+  for (const auto& file : {a.json, a.markdown}) {
+    if (!file.empty()) tool::check_output(file, {});
+  }
+  const std::vector<std::filesystem::path> files = mesh_files(a.paths);
+  if (files.empty()) throw Error(a.paths.front().string() + ": holds no mesh files");
+  const bool certified = a.methods.size() == 1 ? run_one(a, files, command) : run_several(a, files, command);
+  return certified ? tool::success : tool::answer_is_no;
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 #include "bench/zoo/report.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <utility>
+
+#include "bench/zoo/format.h"
 
 namespace encage::zoo {
 
@@ -17,35 +19,9 @@ std::optional<double> median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
-std::optional<double> ratio(const Json& level) {
-  if (level.is_null() || level.at("volume_ratio").is_null()) return std::nullopt;
-  return level.at("volume_ratio").get<double>();
-}
-
 std::string ratio_text(const Json& level) {
-  const std::optional<double> value = ratio(level);
+  const std::optional<double> value = volume_ratio(level);
   return value ? text("%.4f", *value) : "–";
-}
-
-const char* yes(bool value) { return value ? "yes" : "no"; }
-
-/// Messages begin with the file's path, which the table has already.
-std::string reason(const Model& model) {
-  const std::string prefix = model.file.string() + ": ";
-  return model.error.starts_with(prefix) ? model.error.substr(prefix.size()) : model.error;
-}
-
-std::string escaped(std::string cell) {
-  for (std::size_t i = 0; (i = cell.find('|', i)) != std::string::npos; i += 2) cell.insert(i, "\\");
-  std::replace(cell.begin(), cell.end(), '\n', ' ');
-  return cell;
 }
 
 }  // namespace
@@ -67,7 +43,7 @@ Summary summarize(const std::vector<Model>& models, const std::vector<std::int64
     std::vector<double> excess;
     for (const Model& model : models) {
       if (!model.clean()) continue;
-      if (const auto value = ratio(level_for(model, faces, target))) excess.push_back(*value - 1);
+      if (const auto value = volume_ratio(level_for(model, faces, target))) excess.push_back(*value - 1);
     }
     const auto count = static_cast<std::int64_t>(excess.size());
     summary.levels.push_back({faces[target], count, median(std::move(excess))});
@@ -92,7 +68,7 @@ std::string table_line(const Model& model, const std::vector<std::int64_t>& face
     if (level.is_null()) {
       line += text("  %13s", "-");
     } else {
-      const std::optional<double> value = ratio(level);
+      const std::optional<double> value = volume_ratio(level);
       line += text("  %6lld %6s", level.at("faces").get<long long>(), value ? text("%.3f", *value).c_str() : "-");
     }
   }
@@ -112,29 +88,33 @@ std::string to_text(const Summary& summary) {
   return out;
 }
 
-Json to_json(const std::vector<Model>& models, const Summary& summary) {
-  Json list = Json::array();
-  for (const Model& model : models) {
-    Json entry = {{"file", model.file.string()},
-                  {"error", model.error.empty() ? Json(nullptr) : Json(model.error)},
-                  {"holds_mesh", model.outcome != Model::Outcome::no_mesh}};
-    if (model.outcome == Model::Outcome::baked) entry.update(model.figures);
-    list.push_back(std::move(entry));
-  }
+Json to_json(const Model& model) {
+  Json entry = {{"file", model.file.string()},
+                {"error", model.error.empty() ? Json(nullptr) : Json(model.error)},
+                {"holds_mesh", model.outcome != Model::Outcome::no_mesh}};
+  if (model.outcome == Model::Outcome::baked) entry.update(model.figures);
+  return entry;
+}
+
+Json to_json(const Summary& summary) {
+  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json levels = Json::array();
   for (const LevelSummary& level : summary.levels) {
-    levels.push_back(
-        {{"faces", level.faces},
-         {"clean_models", level.models},
-         {"median_excess_volume", level.median_excess_volume ? Json(*level.median_excess_volume) : Json(nullptr)}});
+    levels.push_back({{"faces", level.faces},
+                      {"clean_models", level.models},
+                      {"median_excess_volume", or_null(level.median_excess_volume)}});
   }
-  return {{"models", std::move(list)},
-          {"summary",
-           {{"meshes", summary.meshes},
-            {"certified", summary.certified},
-            {"no_meshes", summary.no_meshes},
-            {"median_cpu_seconds", summary.median_cpu_seconds ? Json(*summary.median_cpu_seconds) : Json(nullptr)},
-            {"levels", std::move(levels)}}}};
+  return {{"meshes", summary.meshes},
+          {"certified", summary.certified},
+          {"no_meshes", summary.no_meshes},
+          {"median_cpu_seconds", or_null(summary.median_cpu_seconds)},
+          {"levels", std::move(levels)}};
+}
+
+Json to_json(const std::vector<Model>& models, const Summary& summary) {
+  Json list = Json::array();
+  for (const Model& model : models) list.push_back(to_json(model));
+  return {{"models", std::move(list)}, {"summary", to_json(summary)}};
 }
 
 std::string to_markdown(const std::vector<Model>& models, const Summary& summary,

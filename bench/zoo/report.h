@@ -31,7 +31,11 @@ std::string table_head(const std::vector<std::int64_t>& faces);
 std::string table_line(const Model& model, const std::vector<std::int64_t>& faces);
 std::string to_text(const Summary& summary);
 
-/// `models[]` with the keys of `encage bake --json`, `file` and `error` (null if none); `summary`.
+/// `file`, `error` (null if none), `holds_mesh` and the keys of `encage bake --json`.
+nlohmann::ordered_json to_json(const Model& model);
+nlohmann::ordered_json to_json(const Summary& summary);
+
+/// `models[]` with the keys above; `summary`.
 nlohmann::ordered_json to_json(const std::vector<Model>& models, const Summary& summary);
 
 /// A document: summary, table of the meshes, list of the files refused.

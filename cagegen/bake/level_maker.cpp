@@ -97,6 +97,7 @@ std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTar
     const bool asked = context_.cancel != nullptr && *context_.cancel;
     if (asked || !gave_up) throw;
     control_.abandoned = false;
+    failure.clear();
     return std::nullopt;
   }
   pass_on();

@@ -11,6 +11,7 @@
 #include "cagegen/contact/minimize.h"
 #include "cagegen/flow/flow.h"
 #include "cagegen/nested/coarse_sources.h"
+#include "cagegen/nested/expand.h"
 #include "cagegen/nested/reinflate.h"
 
 namespace encage::makers {
@@ -19,10 +20,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kFlowGap = 1e-4;       // diagonals that F keeps to the coarse mesh; at least
-constexpr double kFlowClearances = 4;   // clearances
-constexpr std::int64_t kCompete = 300;  // faces up to which all coarse meshes are nested, and the tightest kept
-constexpr double kSelfClearance = 6;    // clearances: the next level must fit between two strands of this one
+constexpr double kFlowGap = 1e-4;      // diagonals that F keeps to the coarse mesh; at least
+constexpr double kFlowClearances = 4;  // clearances
+constexpr int kExpansions = 6;
+constexpr double kExpansionReach = 3e-3;  // diagonals, of one expansion
+constexpr std::int64_t kCompete = 300;    // faces up to which all coarse meshes are nested, and the tightest kept
+constexpr double kSelfClearance = 6;      // clearances: the next level must fit between two strands of this one
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -73,33 +76,54 @@ class NestedLevel {
   }
 
   bool nest(const TriangleMesh& coarse, NestedResult& result, std::string& reason) {
+    TriangleMesh cage = coarse;
     const auto start = Clock::now();
-    FlowRequest flow_request;
-    flow_request.fine = request_.inner;
-    flow_request.coarse = &coarse;
-    flow_request.diagonal = request_.diagonal;
-    flow_request.gap = std::max(kFlowGap * request_.diagonal, kFlowClearances * request_.clearance);
-    flow_request.threads = request_.threads;
-    flow_request.check = [this] { control_.throw_if_cancelled(); };
-    const FlowResult flowed = flow(flow_request);
+    FlowResult flowed = flow_into(cage);
+    int expansions = 0;
+    for (; !flowed.inside && expansions < kExpansions; ++expansions) {
+      TriangleMesh fine = *request_.inner;
+      fine.vertices = flowed.positions;
+      const double reach = kExpansionReach * request_.diagonal;
+      cage = expand(cage, fine, flowed.stuck, flow_gap(), reach, contact_options());
+      flowed = flow_into(cage);
+    }
     result.flow_seconds += seconds_since(start);
     if (!flowed.inside) {
       reason = "the flow stalls: " + std::to_string(flowed.stuck.size()) + " triangles stay outside after " +
-               std::to_string(flowed.history.steps()) + " steps";
+               std::to_string(flowed.history.steps()) + " steps, also with the coarse mesh expanded " +
+               std::to_string(expansions) + " times";
       return false;
     }
-    if (flowed.smoothing_steps > 0 && request_.log) {
-      request_.log("flow: coarse mesh '" + result.candidate.start + "': the flowing mesh was smoothed " +
-                   std::to_string(flowed.smoothing_steps) + " times");
-    }
+    if (flowed.smoothing_steps > 0) note(result, "the flowing mesh was smoothed", flowed.smoothing_steps);
+    if (expansions > 0) note(result, "the flow stalled and the coarse mesh was expanded", expansions);
     const auto inflate_start = Clock::now();
-    const bool nested = inflate(coarse, flowed, result, reason);
+    const bool nested = inflate(cage, coarse, flowed, result, reason);
     result.reinflate_seconds += seconds_since(inflate_start);
     return nested;
   }
 
-  bool inflate(const TriangleMesh& coarse, const FlowResult& flowed, NestedResult& result, std::string& reason) {
-    ContactSolver solver(coarse, contact_options());
+  double flow_gap() const { return std::max(kFlowGap * request_.diagonal, kFlowClearances * request_.clearance); }
+
+  FlowResult flow_into(const TriangleMesh& cage) const {
+    FlowRequest flow_request;
+    flow_request.fine = request_.inner;
+    flow_request.coarse = &cage;
+    flow_request.diagonal = request_.diagonal;
+    flow_request.gap = flow_gap();
+    flow_request.threads = request_.threads;
+    flow_request.check = [this] { control_.throw_if_cancelled(); };
+    return flow(flow_request);
+  }
+
+  void note(const NestedResult& result, const std::string& what, int times) const {
+    if (!request_.log) return;
+    request_.log("flow: coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
+                 (times == 1 ? " time" : " times"));
+  }
+
+  bool inflate(const TriangleMesh& cage, const TriangleMesh& coarse, const FlowResult& flowed, NestedResult& result,
+               std::string& reason) {
+    ContactSolver solver(cage, contact_options());
     ReinflateRequest reinflation;
     reinflation.fine = request_.inner;
     reinflation.rest = &coarse;
@@ -111,10 +135,7 @@ class NestedLevel {
       reason = reached.failure;
       return false;
     }
-    if (request_.log && reached.reliefs > 0) {
-      request_.log("flow: coarse mesh '" + result.candidate.start + "': pinched, and relieved " +
-                   std::to_string(reached.reliefs) + " times");
-    }
+    if (reached.reliefs > 0) note(result, "pinched, and relieved", reached.reliefs);
     minimize_final(solver, coarse);
     result.candidate.cage = solver.mesh();
     result.candidate.volume = signed_volume(result.candidate.cage);

@@ -18,7 +18,7 @@ constexpr double kFastest = 1.0 / 32;      // the fast solver's shortest step, i
 constexpr double kShortest = 1.0 / 512;    // the slow one's
 constexpr int kReliefs = 8;
 constexpr double kTightest = 0.3;  // clearances that the cage keeps to itself where it would jam
-constexpr int kEnergySteps = 3;  // of descent after each step of F
+constexpr int kEnergySteps = 3;    // of descent after each step of F
 
 class Reinflation {
  public:

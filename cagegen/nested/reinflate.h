@@ -12,10 +12,10 @@
 namespace encage::makers {
 
 struct ReinflateRequest {
-  const TriangleMesh* fine = nullptr;    ///< F at its own place
-  const TriangleMesh* rest = nullptr;    ///< C^, with the solver's triangles
-  const FlowResult* flowed = nullptr;    ///< F inside C^, and how it got there
-  const CageEnergy* energy = nullptr;    ///< minimised in every step
+  const TriangleMesh* fine = nullptr;  ///< F at its own place
+  const TriangleMesh* rest = nullptr;  ///< C^, with the solver's triangles
+  const FlowResult* flowed = nullptr;  ///< F inside C^, and how it got there
+  const CageEnergy* energy = nullptr;  ///< minimised in every step
   FlowPath path = FlowPath::straight;
 };
 

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/bake_options.h"
@@ -84,9 +85,13 @@ void print_source(const std::filesystem::path& input, const BakedMesh& baked) {
 std::filesystem::path checked_output(const BakeArguments& arguments) {
   const std::filesystem::path output = arguments.output.empty() ? default_asset(arguments.input) : arguments.output;
   if (output.extension() != ".glb") throw Error(output.string() + ": cages are written as .glb only");
-  check_output(output, arguments.input);
+  std::vector<std::filesystem::path> inputs = arguments.flow.coarse_files();
+  inputs.push_back(arguments.input);
+  for (const std::filesystem::path& input : inputs) {
+    check_output(output, input);
+    if (!arguments.json.empty()) check_output(arguments.json, input);
+  }
   if (arguments.json.empty()) return output;
-  check_output(arguments.json, arguments.input);
   if (arguments.json.lexically_normal() == output.lexically_normal()) {
     throw Error(output.string() + ": asset and JSON cannot be the same file");
   }

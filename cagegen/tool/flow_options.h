@@ -18,6 +18,7 @@ class FlowOptions {
 
   /// Throws Error for options that the method given cannot use.
   void check(const BakeOptions& options) const;
+  const std::vector<std::filesystem::path>& coarse_files() const { return coarse_; }
   /// Reads the coarse meshes. Throws Error naming the file.
   void read_coarse(BakeOptions& options) const;
 

@@ -4,6 +4,7 @@
 #include <encage/error.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -71,11 +72,29 @@ TEST_F(Zoo, TheProgramWritesItsReports) {
   EXPECT_NE(folder.read("zoo.md").find("| ring.obj |"), std::string::npos);
 }
 
+TEST_F(Zoo, SetsMethodsSideBySide) {
+  const test::RunResult result = test::run({ENCAGE_ZOO_BINARY, ".", "--faces", "60", "--method", "auto,flow,collapse",
+                                            "--json", "zoo.json", "--markdown", "zoo.md", "--gallery", "pictures"},
+                                           folder.path());
+  EXPECT_EQ(result.status, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(folder.read("zoo.json"));
+  EXPECT_EQ(json.at("models").size(), 6U);
+  for (const char* method : {"auto", "flow", "collapse"}) {
+    EXPECT_EQ(json.at("summaries").at(method).at("certified"), 1);
+    EXPECT_TRUE(fs::exists(folder.path() / "pictures" / method / "ring.obj-cage.png"));
+  }
+  const auto excess = [&](int i) { return json["models"][i].at("levels")[0].at("volume_ratio").get<double>(); };
+  EXPECT_EQ(json["models"][0].at("method"), "auto");
+  EXPECT_LE(excess(0), std::min(excess(2), excess(4)));
+  EXPECT_NE(folder.read("zoo.md").find("| ring.obj |"), std::string::npos);
+}
+
 TEST_F(Zoo, BadUsageIsRefused) {
   EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY}, folder.path()).status, 2);
   EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, "missing"}, folder.path()).status, 2);
   EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, ".", "--json", "nowhere/zoo.json"}, folder.path()).status, 2);
   EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, ".", "--method", "magic"}, folder.path()).status, 2);
+  EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, ".", "--method", "auto,magic"}, folder.path()).status, 2);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/cagegen/bake/certified.h"
 #include "tests/shapes.h"
 
 namespace encage {
@@ -29,36 +30,8 @@ using shapes::moved;
 using shapes::scaled;
 using shapes::sphere;
 using shapes::torus;
-
-BakeOptions with_faces(std::vector<std::int64_t> faces, int threads = 2) {
-  BakeOptions options;
-  options.faces = std::move(faces);
-  options.threads = threads;
-  return options;
-}
-
-/// Proves the whole hierarchy again, from the source.
-void expect_certified(const CageHierarchy& hierarchy, const SourceMesh& source) {
-  ASSERT_FALSE(hierarchy.levels.empty());
-  const TriangleMesh* inner = &source.obstacle;
-  Solid solid = source.solid;
-  double clearance = 1;
-  ASSERT_GT(hierarchy.diagonal, 0);
-  for (const CageLevel& level : hierarchy.levels) {
-    EXPECT_EQ(level.mesh.vertices, level.mesh.vertices.cast<float>().cast<double>());
-    const CertifyResult proof = certify(*inner, solid, level.mesh);
-    ASSERT_TRUE(proof.holds) << proof.reason;
-    EXPECT_EQ(proof.certificate.clearance, level.certificate.clearance);
-    EXPECT_EQ(proof.certificate.genus, level.certificate.genus);
-    EXPECT_EQ(proof.certificate.components, level.certificate.components);
-    EXPECT_EQ(level.certificate.volume_ratio.has_value(), source.volume > 0);
-    EXPECT_GT(level.certificate.volume_ratio.value_or(2), 1);
-    clearance = std::min(clearance, level.certificate.clearance / hierarchy.diagonal);
-    inner = &level.mesh;
-    solid = Solid::closed;
-  }
-  EXPECT_GT(clearance, 0.99e-5);
-}
+using test::expect_certified;
+using test::with_faces;
 
 /// Bakes with one thread and with two, expects the same certified cages.
 CageHierarchy bake_certified(const TriangleMesh& input, const std::vector<std::int64_t>& faces) {
