@@ -45,6 +45,7 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
   ContactSolver::Places last;  // where the cage was before the last step; empty: start afresh
   for (int iteration = 0; iteration < request.iterations && solver.work() < last_work; ++iteration) {
     solver.options().check();
+    if (request.progress) request.progress(static_cast<double>(iteration) / request.iterations);
     const Vertices direction = request.energy->descent(state(cage));
     const double longest = direction.rowwise().norm().maxCoeff();
     if (!(longest > 0)) break;

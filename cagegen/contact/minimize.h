@@ -13,8 +13,9 @@ struct MinimizeRequest {
   const TriangleMesh* rest = nullptr;  ///< C^, with the cage's triangles
   const CageEnergy* energy = nullptr;
   int iterations = 40;
-  double enough = 0.01;  ///< stop when a step gains less than this share of what all have gained
+  double enough = 0.01;               ///< stop when a step gains less than this share of what all have gained
   std::int64_t face_tests = 120'000;  ///< the budget
+  std::function<void(double fraction)> progress;  ///< may be empty
 };
 
 /// Projected gradient descent of the energy around an obstacle at rest: Nested Cages, algorithm 3, with the QP of

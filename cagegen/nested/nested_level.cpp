@@ -22,6 +22,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kFlowGap = 1e-4;      // diagonals that F keeps to the coarse mesh; at least
 constexpr double kFlowClearances = 4;  // clearances
+// Of the time that one coarse mesh takes, where a stage ends.
+constexpr double kDecimateShare = 0.15;
+constexpr double kFlowShare = 0.25;
+constexpr double kInflateShare = 0.4;
 constexpr int kExpansions = 6;
 constexpr double kExpansionReach = 3e-3;  // diagonals, of one expansion
 constexpr std::int64_t kCompete = 300;    // faces up to which all coarse meshes are nested, and the tightest kept
@@ -38,8 +42,11 @@ class NestedLevel {
     const auto check = [this] { control_.throw_if_cancelled(); };
     const bool compete = request_.faces <= kCompete;
     std::vector<NestedResult> nested;
-    for (const CoarseSource& source : coarse_sources(obstacle_, request_, check)) {
+    const std::vector<CoarseSource> sources = coarse_sources(obstacle_, request_, check);
+    share_ = compete ? 1.0 / static_cast<double>(sources.size()) : 1;
+    for (const CoarseSource& source : sources) {
       check();
+      report(0);
       auto coarse = source.make();
       if (!coarse) {
         fail(source.name,
@@ -52,11 +59,13 @@ class NestedLevel {
       std::string reason;
       if (!nest(*coarse, result, reason)) {
         fail(source.name, reason, failure);
+        if (compete) done_ += share_;
         continue;
       }
       result.undeformed = std::move(*coarse);
       nested.push_back(std::move(result));
       if (!compete) break;
+      done_ += share_;
     }
     std::stable_sort(nested.begin(), nested.end(), [](const NestedResult& a, const NestedResult& b) {
       return a.candidate.volume < b.candidate.volume;
@@ -70,14 +79,18 @@ class NestedLevel {
   }
 
  private:
+  /// `fraction` of what there is to do with one coarse mesh.
+  void report(double fraction) const { control_.fraction = done_ + share_ * fraction; }
+
   void fail(const std::string& source, const std::string& reason, std::string& failure) const {
-    if (request_.log) request_.log("flow: coarse mesh '" + source + "': " + reason);
+    if (request_.log) request_.log("coarse mesh '" + source + "': " + reason);
     failure = source + ": " + reason;
   }
 
   bool nest(const TriangleMesh& coarse, NestedResult& result, std::string& reason) {
     TriangleMesh cage = coarse;
     const auto start = Clock::now();
+    report(kDecimateShare);
     FlowResult flowed = flow_into(cage);
     int expansions = 0;
     for (; !flowed.inside && expansions < kExpansions; ++expansions) {
@@ -117,7 +130,7 @@ class NestedLevel {
 
   void note(const NestedResult& result, const std::string& what, int times) const {
     if (!request_.log) return;
-    request_.log("flow: coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
+    request_.log("coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
                  (times == 1 ? " time" : " times"));
   }
 
@@ -130,6 +143,7 @@ class NestedLevel {
     reinflation.flowed = &flowed;
     reinflation.energy = request_.inflate.get();
     reinflation.path = request_.path;
+    reinflation.progress = [&](double fraction) { report(kFlowShare + fraction * (kInflateShare - kFlowShare)); };
     const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
     if (!reached.reached) {
       reason = reached.failure;
@@ -147,6 +161,7 @@ class NestedLevel {
     minimization.fine = request_.inner;
     minimization.rest = &rest;
     minimization.energy = request_.final.get();
+    minimization.progress = [&](double fraction) { report(kInflateShare + fraction * (1 - kInflateShare)); };
     minimize(solver, obstacle_, minimization);
   }
 
@@ -186,6 +201,8 @@ class NestedLevel {
   const Obstacle& obstacle_;
   const NestedRequest& request_;
   Control& control_;
+  double done_ = 0;
+  double share_ = 1;
 };
 
 }  // namespace

@@ -35,6 +35,7 @@ class Reinflation {
     double step = first_step_;
     while (way < 1) {
       solver_.options().check();
+      if (request_.progress) request_.progress(way);
       const double next = way + step > 1 - 1e-9 ? 1 : way + step;
       const bool slow = step < kFastest * first_step_;
       if (advance(next, slow)) {

@@ -4,6 +4,7 @@
 #include <encage/bake.h>
 #include <encage/energy.h>
 
+#include <functional>
 #include <string>
 
 #include "cagegen/contact/contact_solver.h"
@@ -17,6 +18,7 @@ struct ReinflateRequest {
   const FlowResult* flowed = nullptr;  ///< F inside C^, and how it got there
   const CageEnergy* energy = nullptr;  ///< minimised in every step
   FlowPath path = FlowPath::straight;
+  std::function<void(double fraction)> progress;  ///< may be empty
 };
 
 struct ReinflateResult {
