@@ -150,6 +150,8 @@ void LevelMaker::make_by_flow(const makers::Obstacle& obstacle, const MadeLevel*
   if (finer != nullptr && finer->undeformed.triangles.rows() > 0) request.undeformed = &finer->undeformed;
   request.coarse = target.coarse;
   request.decimator = options_.decimator;
+  request.decimator_name = options_.decimator_name;
+  request.origin = source_.origin;
   request.faces = target.faces;
   request.diagonal = source_.diagonal;
   request.clearance = options_.min_clearance * source_.diagonal;

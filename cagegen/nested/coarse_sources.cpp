@@ -40,7 +40,8 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedR
     return wrap_start(obstacle, *request.clean, alpha, alpha * kWrapOffset, request.clearance);
   };
   if (request.decimator) {
-    sources.push_back({"decimator", [=, &request]() -> std::optional<TriangleMesh> {
+    sources.push_back({request.decimator_name.empty() ? "decimator" : request.decimator_name,
+                       [=, &request]() -> std::optional<TriangleMesh> {
                          const TriangleMesh& undeformed =
                              request.undeformed != nullptr ? *request.undeformed : *request.clean;
                          if (request.manifold) {

@@ -143,6 +143,7 @@ class NestedLevel {
     reinflation.flowed = &flowed;
     reinflation.energy = request_.inflate.get();
     reinflation.path = request_.path;
+    reinflation.origin = request_.origin;
     reinflation.progress = [&](double fraction) { report(kFlowShare + fraction * (kInflateShare - kFlowShare)); };
     const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
     if (!reached.reached) {

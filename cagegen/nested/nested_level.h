@@ -18,12 +18,14 @@
 namespace encage::makers {
 
 struct NestedRequest {
-  const TriangleMesh* inner = nullptr;       ///< F, what must be enclosed; as given to the obstacle
-  const TriangleMesh* clean = nullptr;       ///< the same surface without degenerate triangles
-  bool manifold = false;                     ///< `clean` is a closed oriented manifold
-  const TriangleMesh* undeformed = nullptr;  ///< `clean` as its own decimation made it; null: the same
-  const TriangleMesh* coarse = nullptr;      ///< a coarse mesh made by the user, instead of a decimation
-  Decimator decimator;                       ///< empty: regular and adaptive, whichever works out better
+  const TriangleMesh* inner = nullptr;               ///< F, what must be enclosed; as given to the obstacle
+  const TriangleMesh* clean = nullptr;               ///< the same surface without degenerate triangles
+  bool manifold = false;                             ///< `clean` is a closed oriented manifold
+  const TriangleMesh* undeformed = nullptr;          ///< `clean` as its own decimation made it; null: the same
+  const TriangleMesh* coarse = nullptr;              ///< a coarse mesh made by the user, instead of a decimation
+  Decimator decimator;                               ///< empty: regular and adaptive, whichever works out better
+  std::string decimator_name;                        ///< for the result's `start`
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the local frame, for messages
   std::int64_t faces = 0;
   double diagonal = 0;   ///< of the source
   double clearance = 0;  ///< length

@@ -181,7 +181,7 @@ class Reinflation {
       std::snprintf(text, sizeof text, "the re-inflation stopped at %.0f %% of the way", 100 * way);
     } else {
       const auto& face = solver_.face(static_cast<std::size_t>(solver_.jammed().front()));
-      const Point p = solver_.places()[face[0]];
+      const Point p = request_.origin + solver_.places()[face[0]];
       std::snprintf(text, sizeof text,
                     "the re-inflation is pinched at %.0f %% of the way: %zu faces of the cage jam near (%g, %g, %g)",
                     100 * way, solver_.jammed().size(), p.x(), p.y(), p.z());

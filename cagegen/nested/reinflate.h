@@ -18,7 +18,8 @@ struct ReinflateRequest {
   const FlowResult* flowed = nullptr;  ///< F inside C^, and how it got there
   const CageEnergy* energy = nullptr;  ///< minimised in every step
   FlowPath path = FlowPath::straight;
-  std::function<void(double fraction)> progress;  ///< may be empty
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the local frame, for messages
+  std::function<void(double fraction)> progress;     ///< may be empty
 };
 
 struct ReinflateResult {
