@@ -28,6 +28,8 @@ class FlowHistory {
 
   int steps() const { return static_cast<int>(steps_.size()); }
   void push(std::vector<std::int32_t> moved, std::vector<Eigen::Vector3f> places);
+  /// The steps of a flow that went on from where this one ended.
+  void append(const FlowHistory& later);
   /// F after `step` steps: 0 is where it started, exactly; later places are float32.
   Vertices at(int step) const;
   std::size_t bytes() const;

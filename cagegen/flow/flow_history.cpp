@@ -10,6 +10,10 @@ void FlowHistory::push(std::vector<std::int32_t> moved, std::vector<Eigen::Vecto
   steps_.push_back({std::move(moved), std::move(places)});
 }
 
+void FlowHistory::append(const FlowHistory& later) {
+  steps_.insert(steps_.end(), later.steps_.begin(), later.steps_.end());
+}
+
 Vertices FlowHistory::at(int step) const {
   assert(step >= 0 && step <= steps());
   Vertices result = start_;

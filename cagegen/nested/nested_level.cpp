@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -26,8 +25,10 @@ constexpr double kFlowClearances = 4;  // clearances
 constexpr double kDecimateShare = 0.15;
 constexpr double kFlowShare = 0.25;
 constexpr double kInflateShare = 0.4;
-constexpr int kExpansions = 6;
-constexpr double kExpansionReach = 3e-3;  // diagonals, of one expansion
+constexpr int kFlowSteps = 150;
+constexpr int kExpansions = 10;
+constexpr int kExpansionPatience = 3;
+constexpr double kExpansionReach = 1e-2;  // diagonals, of one expansion
 constexpr std::int64_t kCompete = 300;    // faces up to which all coarse meshes are nested, and the tightest kept
 constexpr double kSelfClearance = 6;      // clearances: the next level must fit between two strands of this one
 
@@ -91,15 +92,8 @@ class NestedLevel {
     TriangleMesh cage = coarse;
     const auto start = Clock::now();
     report(kDecimateShare);
-    FlowResult flowed = flow_into(cage);
-    int expansions = 0;
-    for (; !flowed.inside && expansions < kExpansions; ++expansions) {
-      TriangleMesh fine = *request_.inner;
-      fine.vertices = flowed.positions;
-      const double reach = kExpansionReach * request_.diagonal;
-      cage = expand(cage, fine, flowed.stuck, flow_gap(), reach, contact_options());
-      flowed = flow_into(cage);
-    }
+    FlowResult flowed = flow_into(*request_.inner, cage, kFlowSteps);
+    const int expansions = flowed.inside ? 0 : expand_and_flow(cage, flowed);
     result.flow_seconds += seconds_since(start);
     if (!flowed.inside) {
       reason = "the flow stalls: " + std::to_string(flowed.stuck.size()) + " triangles stay outside after " +
@@ -117,13 +111,37 @@ class NestedLevel {
 
   double flow_gap() const { return std::max(kFlowGap * request_.diagonal, kFlowClearances * request_.clearance); }
 
-  FlowResult flow_into(const TriangleMesh& cage) const {
+  /// Makes room where F is stuck, and lets it flow on from there. Returns how often.
+  int expand_and_flow(TriangleMesh& cage, FlowResult& flowed) const {
+    TriangleMesh fine = *request_.inner;
+    std::size_t fewest = flowed.stuck.size();
+    int last_gain = 0;
+    int expansions = 0;
+    while (!flowed.inside && expansions < kExpansions && expansions < last_gain + kExpansionPatience) {
+      fine.vertices = flowed.positions;
+      cage = expand(cage, fine, flowed.stuck, flow_gap(), kExpansionReach * request_.diagonal, contact_options());
+      FlowResult more = flow_into(fine, cage, kFlowSteps / 3);
+      flowed.history.append(more.history);
+      more.history = std::move(flowed.history);
+      more.smoothing_steps += flowed.smoothing_steps;
+      flowed = std::move(more);
+      ++expansions;
+      if (flowed.stuck.size() < fewest) {
+        fewest = flowed.stuck.size();
+        last_gain = expansions;
+      }
+    }
+    return expansions;
+  }
+
+  FlowResult flow_into(const TriangleMesh& fine, const TriangleMesh& cage, int most_steps) const {
     FlowRequest flow_request;
-    flow_request.fine = request_.inner;
+    flow_request.fine = &fine;
     flow_request.coarse = &cage;
     flow_request.diagonal = request_.diagonal;
     flow_request.gap = flow_gap();
     flow_request.threads = request_.threads;
+    flow_request.most_steps = most_steps;
     flow_request.check = [this] { control_.throw_if_cancelled(); };
     return flow(flow_request);
   }
