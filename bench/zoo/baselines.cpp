@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/baselines.h"
 
+#include <encage/decimator.h>
 #include <encage/error.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "bench/tank/cpu_clock.h"
 #include "bench/zoo/intersections.h"
 #include "bench/zoo/plain_methods.h"
-#include "cagegen/decimate/decimate.h"
 #include "cagegen/geometry/rounding.h"
 
 namespace encage::zoo {
@@ -91,16 +91,18 @@ BaselineResult offset_contour(const SourceMesh& source, std::int64_t faces) {
     const double longest = source.diagonal / 8;
     const bool closed = source.manifold && source.solid != Solid::surface_only;
     const DistanceGrid grid(closed ? source.clean : source.obstacle, closed, cells, longest);
-    const double gap = 1e-6 * source.diagonal;
+    const Decimator decimator = regular_decimator();
     TriangleMesh best;
     // Whether one holds is partly chance, so that no bisection finds the smallest. Unsigned distances bend within a
     // cell of the surface: no contour nearer than that.
     constexpr double step = 1.26;
     for (double distance = closed ? source.diagonal / 512 : grid.cell(); distance <= longest; distance *= step) {
-      auto coarse = makers::decimate(grid.contour(distance), faces, makers::Decimation::regular, gap, [] {});
-      if (!coarse || coarse->triangles.rows() > faces) continue;
-      best = std::move(*coarse);
-      makers::round_vertices(best);
+      const TriangleMesh contour = grid.contour(distance);
+      try {
+        best = decimator(contour, contour, faces);
+      } catch (const Error&) {
+        continue;  // another contour may have fewer handles
+      }
       if (proof_of(source, best).holds) break;
     }
     if (best.triangles.rows() == 0) throw Error("no contour could be decimated to " + std::to_string(faces) + " faces");

@@ -94,7 +94,8 @@ bool neighbours(const std::array<std::int32_t, 3>& s, const std::array<std::int3
 /// Moves the vertices of a mesh until none of its triangles are in contact.
 class Untangler {
  public:
-  Untangler(const TriangleMesh& mesh, double gap);
+  /// For the first `pushes` rounds, strands are only pushed apart; after that, their surface is smoothed as well.
+  Untangler(const TriangleMesh& mesh, double gap, int pushes);
   bool run();
   TriangleMesh take() { return std::move(mesh_); }
 
@@ -111,6 +112,7 @@ class Untangler {
 
   TriangleMesh mesh_;
   double gap_;
+  int pushes_;
   std::vector<std::int32_t> first_;  ///< per vertex, into around_
   std::vector<std::int32_t> around_;
   SurfaceTree tree_;
@@ -123,12 +125,14 @@ class Untangler {
 
 // Rounds of a spot in contact after which the next ring of vertices around it is smoothed as well.
 constexpr int kPatience = 4;
-// Rounds in which strands are only pushed apart, before their surface is smoothed.
-constexpr int kPushes = 12;
 constexpr int kRounds = 120;
 
-Untangler::Untangler(const TriangleMesh& mesh, double gap)
-    : mesh_(mesh), gap_(gap), first_(static_cast<std::size_t>(mesh.vertices.rows()) + 1), tree_(mesh_) {
+Untangler::Untangler(const TriangleMesh& mesh, double gap, int pushes)
+    : mesh_(mesh),
+      gap_(gap),
+      pushes_(pushes),
+      first_(static_cast<std::size_t>(mesh.vertices.rows()) + 1),
+      tree_(mesh_) {
   const auto vertices = static_cast<std::size_t>(mesh.vertices.rows());
   for (const std::int32_t v : mesh_.triangles.reshaped()) ++first_[v + 1];
   for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] += first_[v];
@@ -137,7 +141,7 @@ Untangler::Untangler(const TriangleMesh& mesh, double gap)
   for (std::int32_t t = 0; t < mesh_.triangles.rows(); ++t) {
     for (const std::int32_t v : indices(mesh_, t)) around_[next[v]++] = t;
   }
-  rough_.assign(vertices, -kPushes);
+  rough_.assign(vertices, -pushes_);
   moved_.assign(vertices, true);
   shift_.assign(vertices, Point::Zero());
   shifts_.resize(vertices);
@@ -181,7 +185,7 @@ void Untangler::mark_rough() {
     switch (state[v]) {
       case folded: rough_[v] = std::max(rough_[v], 0) + 1; break;
       case pushed: ++rough_[v]; break;
-      default: rough_[v] += rough_[v] > 0 ? -1 : rough_[v] > -kPushes ? -1 : 0;
+      default: rough_[v] += rough_[v] > 0 ? -1 : rough_[v] > -pushes_ ? -1 : 0;
     }
   }
 }
@@ -313,9 +317,12 @@ bool Untangler::run() {
 }  // namespace
 
 std::optional<TriangleMesh> untangle(const TriangleMesh& mesh, double gap) {
-  Untangler untangler(mesh, gap);
-  if (!untangler.run()) return std::nullopt;
-  return untangler.take();
+  // Mostly the first will do, and changes less.
+  for (const int pushes : {12, 0}) {
+    Untangler untangler(mesh, gap, pushes);
+    if (untangler.run()) return untangler.take();
+  }
+  return std::nullopt;
 }
 
 }  // namespace encage::makers

@@ -167,10 +167,14 @@ BoxFilter Obstacle::near(const Prism& prism, double clearance) const {
   box.max().array() += clearance;
   BoxFilter filter(box, magnitude_);
   if (!prism.valid) return filter;
-  const double level = prism.normal.dot(prism.corner[0]);
-  filter.below(-prism.normal, -level + clearance);
-  filter.below(prism.normal, level + clearance);
-  for (int k = 0; k < 3; ++k) filter.below(prism.side[k], prism.side[k].dot(prism.corner[k]) + clearance);
+  // Over all corners: a sliver's planes may be tilted by rounding, as far as you like.
+  const auto below = [&](const Point& normal) {
+    filter.below(normal, clearance + std::max({normal.dot(prism.corner[0]), normal.dot(prism.corner[1]),
+                                               normal.dot(prism.corner[2])}));
+  };
+  below(-prism.normal);
+  below(prism.normal);
+  for (const Point& side : prism.side) below(side);
   return filter;
 }
 

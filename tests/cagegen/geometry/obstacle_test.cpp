@@ -91,6 +91,31 @@ TEST(Obstacle, HitsAgainstAllTriangles) {
   }
 }
 
+TEST(Obstacle, HitsOfSlivers) {
+  // Three points on a line, but for rounding: the normal is any direction, along the line too.
+  Random random(47);
+  const Obstacle obstacle(soup(random, 400, {0, 0, 0}, 0.5));
+  int slivers = 0;
+  std::size_t total = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Point a = random.point(1);
+    const Point b = random.point(1);
+    const Prism prism({a, b, a + random(0, 1) * (b - a)});
+    if (!prism.valid) continue;
+    ++slivers;
+    std::vector<std::int32_t> found;
+    obstacle.hits(prism, 1e-3, obstacle.size(), found);
+    std::sort(found.begin(), found.end());
+    for (std::int32_t t = 0; t < 400; ++t) {
+      if (proof::separate(prism.corner, obstacle.corners(t)).upper > 0.9e-3) continue;
+      ++total;
+      EXPECT_TRUE(std::binary_search(found.begin(), found.end(), t)) << i << ' ' << t;
+    }
+  }
+  EXPECT_GT(slivers, 2000);
+  EXPECT_GT(total, 200u);
+}
+
 TEST(Obstacle, WorkCountsTheTriangles) {
   Random random(43);
   const Obstacle obstacle(soup(random, 50, Point::Zero(), 0.5));
