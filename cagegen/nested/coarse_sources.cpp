@@ -63,12 +63,13 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedR
   const double fine = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 20;
   for (const double parameter : {100.0, 50.0, 20.0, 10.0, 5.0}) {
     if (parameter > fine) continue;
-    sources.push_back(
-        {"wrap/" + std::to_string(static_cast<int>(parameter)), [=, &request]() -> std::optional<TriangleMesh> {
-           const auto surface = wrap(parameter);
-           if (!surface || surface->triangles.rows() <= request.faces) return usable(surface);
-           return usable(decimate(*surface, request.faces, Decimation::regular, gap, check));
-         }});
+    sources.push_back({"wrap/" + std::to_string(static_cast<int>(parameter)),
+                       [=, &request]() -> std::optional<TriangleMesh> {
+                         const auto surface = wrap(parameter);
+                         if (!surface || surface->triangles.rows() <= request.faces) return usable(surface);
+                         return usable(decimate(*surface, request.faces, Decimation::regular, gap, check));
+                       },
+                       static_cast<int>(sources.size())});
   }
   return sources;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -34,47 +35,41 @@ constexpr double kSelfClearance = 6;      // clearances: the next level must fit
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+/// A coarse mesh with F flowed into it.
+struct Flowed {
+  Flowed(const TriangleMesh& coarse, FlowResult in) : cage(coarse), flow(std::move(in)) {}
+
+  NestedResult result;  ///< with its start and undeformed mesh
+  TriangleMesh cage;    ///< expanded where the flow stalled
+  FlowResult flow;
+  double moved = 0;  ///< how far vertices of F are from home, on average
+};
+
+using FlowedPtr = std::unique_ptr<Flowed>;
+
 class NestedLevel {
  public:
-  NestedLevel(const Obstacle& obstacle, const NestedRequest& request, Control& control)
-      : obstacle_(obstacle), request_(request), control_(control) {}
+  NestedLevel(const Obstacle& obstacle, const NestedRequest& request, Control& control, std::string& failure)
+      : obstacle_(obstacle), request_(request), control_(control), failure_(failure) {}
 
-  std::optional<NestedResult> run(const std::function<bool(const Candidate&)>& accept, std::string& failure) {
+  std::optional<NestedResult> run(const std::function<bool(const Candidate&)>& accept) {
     const auto check = [this] { control_.throw_if_cancelled(); };
-    const bool compete = request_.faces <= kCompete;
-    std::vector<NestedResult> nested;
     const std::vector<CoarseSource> sources = coarse_sources(obstacle_, request_, check);
-    share_ = compete ? 1.0 / static_cast<double>(sources.size()) : 1;
-    for (const CoarseSource& source : sources) {
-      check();
-      report(0);
-      auto coarse = source.make();
-      if (!coarse) {
-        fail(source.name,
-             "no coarse mesh of " + std::to_string(request_.faces) + " faces without self-intersection comes of it",
-             failure);
-        continue;
+    const bool compete = request_.faces <= kCompete;
+    std::size_t next = 0;
+    while (next < sources.size()) {
+      std::vector<FlowedPtr> flowed;
+      const int group = sources[next].group;
+      done_ = 0;
+      share_ = compete ? 1.0 / static_cast<double>(sources.size()) : 1;
+      for (; next < sources.size() && (compete || sources[next].group == group); ++next) {
+        report(0);
+        if (auto in = flow_in(sources[next])) flowed.push_back(std::move(in));
       }
-      NestedResult result;
-      result.candidate.start = source.name;
-      std::string reason;
-      if (!nest(*coarse, result, reason)) {
-        fail(source.name, reason, failure);
-        if (compete) done_ += share_;
-        continue;
-      }
-      result.undeformed = std::move(*coarse);
-      nested.push_back(std::move(result));
-      if (!compete) break;
-      done_ += share_;
-    }
-    std::stable_sort(nested.begin(), nested.end(), [](const NestedResult& a, const NestedResult& b) {
-      return a.candidate.volume < b.candidate.volume;
-    });
-    for (NestedResult& result : nested) {
-      finish(result);
-      if (accept(result.candidate)) return std::move(result);
-      fail(result.candidate.start, "the certificate refuses the cage", failure);
+      // The less F had to move, the tighter the cage will be.
+      std::stable_sort(flowed.begin(), flowed.end(),
+                       [](const FlowedPtr& a, const FlowedPtr& b) { return a->moved < b->moved; });
+      if (auto result = nest(std::move(flowed), compete, accept)) return result;
     }
     return std::nullopt;
   }
@@ -83,30 +78,70 @@ class NestedLevel {
   /// `fraction` of what there is to do with one coarse mesh.
   void report(double fraction) const { control_.fraction = done_ + share_ * fraction; }
 
-  void fail(const std::string& source, const std::string& reason, std::string& failure) const {
+  void fail(const std::string& source, const std::string& reason) const {
     if (request_.log) request_.log("coarse mesh '" + source + "': " + reason);
-    failure = source + ": " + reason;
+    failure_ = source + ": " + reason;
   }
 
-  bool nest(const TriangleMesh& coarse, NestedResult& result, std::string& reason) {
-    TriangleMesh cage = coarse;
-    const auto start = Clock::now();
-    report(kDecimateShare);
-    FlowResult flowed = flow_into(*request_.inner, cage, kFlowSteps);
-    const int expansions = flowed.inside ? 0 : expand_and_flow(cage, flowed);
-    result.flow_seconds += seconds_since(start);
-    if (!flowed.inside) {
-      reason = "the flow stalls: " + std::to_string(flowed.stuck.size()) + " triangles stay outside after " +
-               std::to_string(flowed.history.steps()) + " steps, also with the coarse mesh expanded " +
-               std::to_string(expansions) + " times";
-      return false;
+  void note(const NestedResult& result, const std::string& what, int times) const {
+    if (!request_.log) return;
+    request_.log("coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
+                 (times == 1 ? " time" : " times"));
+  }
+
+  /// Null if F cannot be brought in.
+  FlowedPtr flow_in(const CoarseSource& source) const {
+    control_.throw_if_cancelled();
+    auto coarse = source.make();
+    if (!coarse) {
+      fail(source.name,
+           "no coarse mesh of " + std::to_string(request_.faces) + " faces without self-intersection comes of it");
+      return nullptr;
     }
-    if (flowed.smoothing_steps > 0) note(result, "the flowing mesh was smoothed", flowed.smoothing_steps);
-    if (expansions > 0) note(result, "the flow stalled and the coarse mesh was expanded", expansions);
-    const auto inflate_start = Clock::now();
-    const bool nested = inflate(cage, coarse, flowed, result, reason);
-    result.reinflate_seconds += seconds_since(inflate_start);
-    return nested;
+    report(kDecimateShare);
+    const auto start = Clock::now();
+    auto in = std::make_unique<Flowed>(*coarse, flow_into(*request_.inner, *coarse, kFlowSteps));
+    in->result.candidate.start = source.name;
+    in->result.undeformed = std::move(*coarse);
+    const int expansions = in->flow.inside ? 0 : expand_and_flow(in->cage, in->flow);
+    in->result.flow_seconds = seconds_since(start);
+    if (!in->flow.inside) {
+      fail(source.name, "the flow stalls: " + std::to_string(in->flow.stuck.size()) + " triangles stay outside after " +
+                            std::to_string(in->flow.history.steps()) + " steps, also with the coarse mesh expanded " +
+                            std::to_string(expansions) + " times");
+      return nullptr;
+    }
+    if (in->flow.smoothing_steps > 0) note(in->result, "the flowing mesh was smoothed", in->flow.smoothing_steps);
+    if (expansions > 0) note(in->result, "the flow stalled and the coarse mesh was expanded", expansions);
+    in->moved = (in->flow.positions - request_.inner->vertices).rowwise().norm().mean();
+    return in;
+  }
+
+  /// The first of them that can be nested, or (`all`) the tightest.
+  std::optional<NestedResult> nest(std::vector<FlowedPtr> flowed, bool all,
+                                   const std::function<bool(const Candidate&)>& accept) {
+    std::vector<NestedResult> nested;
+    const auto settle = [&]() -> std::optional<NestedResult> {
+      std::stable_sort(nested.begin(), nested.end(), [](const NestedResult& a, const NestedResult& b) {
+        return a.candidate.volume < b.candidate.volume;
+      });
+      for (NestedResult& result : nested) {
+        finish(result);
+        if (accept(result.candidate)) return std::move(result);
+        fail(result.candidate.start, "the certificate refuses the cage");
+      }
+      nested.clear();
+      return std::nullopt;
+    };
+    for (FlowedPtr& candidate : flowed) {
+      if (inflate(*candidate)) nested.push_back(std::move(candidate->result));
+      if (all) {
+        done_ += share_;
+      } else if (auto result = settle()) {
+        return result;
+      }
+    }
+    return settle();
   }
 
   double flow_gap() const { return std::max(kFlowGap * request_.diagonal, kFlowClearances * request_.clearance); }
@@ -146,32 +181,28 @@ class NestedLevel {
     return flow(flow_request);
   }
 
-  void note(const NestedResult& result, const std::string& what, int times) const {
-    if (!request_.log) return;
-    request_.log("coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
-                 (times == 1 ? " time" : " times"));
-  }
-
-  bool inflate(const TriangleMesh& cage, const TriangleMesh& coarse, const FlowResult& flowed, NestedResult& result,
-               std::string& reason) {
-    ContactSolver solver(cage, contact_options());
+  bool inflate(Flowed& flowed) {
+    const auto start = Clock::now();
+    NestedResult& result = flowed.result;
+    ContactSolver solver(flowed.cage, contact_options());
     ReinflateRequest reinflation;
     reinflation.fine = request_.inner;
-    reinflation.rest = &coarse;
-    reinflation.flowed = &flowed;
+    reinflation.rest = &result.undeformed;
+    reinflation.flowed = &flowed.flow;
     reinflation.energy = request_.inflate.get();
     reinflation.path = request_.path;
     reinflation.origin = request_.origin;
     reinflation.progress = [&](double fraction) { report(kFlowShare + fraction * (kInflateShare - kFlowShare)); };
     const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
     if (!reached.reached) {
-      reason = reached.failure;
+      fail(result.candidate.start, reached.failure);
       return false;
     }
     if (reached.reliefs > 0) note(result, "pinched, and relieved", reached.reliefs);
-    minimize_final(solver, coarse);
+    minimize_final(solver, result.undeformed);
     result.candidate.cage = solver.mesh();
     result.candidate.volume = signed_volume(result.candidate.cage);
+    result.reinflate_seconds = seconds_since(start);
     return true;
   }
 
@@ -220,6 +251,7 @@ class NestedLevel {
   const Obstacle& obstacle_;
   const NestedRequest& request_;
   Control& control_;
+  std::string& failure_;
   double done_ = 0;
   double share_ = 1;
 };
@@ -229,7 +261,7 @@ class NestedLevel {
 std::optional<NestedResult> build_nested_level(const Obstacle& obstacle, const NestedRequest& request, Control& control,
                                                const std::function<bool(const Candidate&)>& accept,
                                                std::string& failure) {
-  return NestedLevel(obstacle, request, control).run(accept, failure);
+  return NestedLevel(obstacle, request, control, failure).run(accept);
 }
 
 }  // namespace encage::makers
