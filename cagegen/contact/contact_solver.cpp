@@ -32,6 +32,12 @@ bool contains(const Pairs& sorted, const Pair& pair) {
   return std::binary_search(sorted.begin(), sorted.end(), pair);
 }
 
+double largest_coordinate(const ContactSolver::Places& places) {
+  double largest = 0;
+  for (const Point& p : places) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  return largest;
+}
+
 Point at(const Corners& c, const std::array<double, 3>& w) { return w[0] * c[0] + w[1] * c[1] + w[2] * c[2]; }
 
 /// The closest points of two faces that share vertices, apart from these: of the edge or corner of one that is not
@@ -152,6 +158,7 @@ void ContactSolver::begin(const Step& step) {
   }
   sort_unique(known_);
   contacts_.clear();
+  magnitude_ = largest_coordinate(place_);
   // What was tested last need not have been taken.
   if (tested_ != place_) {
     for (std::size_t f = 0; f < face_.size(); ++f) fit_box(place_, static_cast<std::int32_t>(f));
@@ -260,7 +267,7 @@ void ContactSolver::add_all_near(const Step& step) {
     near.clear();
     step.before.highest_hits(prism, step.reach, most, near);
     for (const std::int32_t t : near) known_.push_back({f, t});
-    tree_.traverse(step.before.near(prism, step.reach), [&](std::int32_t other) {
+    tree_.traverse(step.before.near(prism, step.reach, magnitude_), [&](std::int32_t other) {
       if (other <= f) return;
       if (!separated(face_[f], mine, face_[other], corners(place_, other), step.reach)) {
         known_.push_back({f, -1 - other});
@@ -323,6 +330,7 @@ void ContactSolver::retest(const Step& step, const Places& y) {
     if (dirty_[f] || test_all_) faces.push_back(face);
   }
   tree_.refit(box_);
+  magnitude_ = largest_coordinate(y);
   work_ += static_cast<std::int64_t>(faces.size());
   std::erase_if(hits_,
                 [&](const Pair& pair) { return dirty_[pair.face] || (pair.other < 0 && dirty_[-1 - pair.other]); });
@@ -363,7 +371,7 @@ void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f,
     for (const std::int32_t t : triangles) found.push_back({f, t});
   }
   if (!dirty_[f]) return;
-  tree_.traverse(step.after.near(prism, options_.self_clearance), [&](std::int32_t other) {
+  tree_.traverse(step.after.near(prism, options_.self_clearance, magnitude_), [&](std::int32_t other) {
     if (other == f || (other < f && dirty_[other])) return;
     const Corners theirs = corners(y, other);
     if (!moved && theirs == corners(place_, other)) return;

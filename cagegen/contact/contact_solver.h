@@ -110,6 +110,7 @@ class ContactSolver {
   TriangleTree tree_;                                ///< of the faces as tested last
   std::vector<Eigen::AlignedBox3d> box_;
   Places tested_;
+  double magnitude_ = 0;     ///< of the places tested last
   std::vector<bool> dirty_;  ///< of faces, in the present test
   bool test_all_ = false;    ///< the obstacle has moved and no face has been tested against it
   std::vector<Pair> hits_;   ///< of the places tested last, sorted

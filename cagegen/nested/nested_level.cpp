@@ -88,7 +88,8 @@ class NestedLevel {
     failure = source + ": " + reason;
   }
 
-  bool nest(const TriangleMesh& coarse, NestedResult& result, std::string& reason) {
+  /// Drops parts of the coarse mesh that stay empty.
+  bool nest(TriangleMesh& coarse, NestedResult& result, std::string& reason) {
     TriangleMesh cage = coarse;
     const auto start = Clock::now();
     report(kDecimateShare);
@@ -104,6 +105,9 @@ class NestedLevel {
     if (flowed.smoothing_steps > 0) note(result, "the flowing mesh was smoothed", flowed.smoothing_steps);
     if (expansions > 0) note(result, "the flow stalled and the coarse mesh was expanded", expansions);
     const auto inflate_start = Clock::now();
+    Obstacle inside = obstacle_;
+    inside.move(flowed.positions);
+    drop_empty_parts(coarse, cage, inside);
     const bool nested = inflate(cage, coarse, flowed, result, reason);
     result.reinflate_seconds += seconds_since(inflate_start);
     return nested;

@@ -306,6 +306,24 @@ TEST(Obstacle, HighestHitsComeHighestFirst) {
   }
 }
 
+TEST(Obstacle, NearHoldsForBoxesFarFromTheObstacle) {
+  // Boxes that touch the prism's triangle, of something that reaches farther than the obstacle.
+  Random random(51);
+  const Obstacle nothing{TriangleMesh()};
+  for (int i = 0; i < 20000; ++i) {
+    const double size = std::pow(10.0, random(-1, 3));
+    const Prism prism({random.point(size), random.point(size), random.point(size)});
+    double a = random(0, 1), b = random(0, 1);
+    if (a + b > 1) a = 1 - a, b = 1 - b;
+    const Point x = prism.corner[0] + a * (prism.corner[1] - prism.corner[0]) + b * (prism.corner[2] - prism.corner[0]);
+    Eigen::AlignedBox3d box(x);
+    box.extend(x + random.point(i % 2 ? 100 * size : 0));
+    int found = 0;
+    TriangleTree(std::span(&box, 1)).traverse(nothing.near(prism, 0, 101 * size), [&](std::int32_t) { ++found; });
+    EXPECT_EQ(found, 1) << i;
+  }
+}
+
 TEST(Obstacle, OneRepresentativeAComponent) {
   TriangleMesh mesh = shapes::cube(1);
   for (int i = 1; i < 40; ++i) mesh = shapes::joined(mesh, shapes::tetrahedron(0.1, {3.0 * i, 0, 0}));

@@ -73,8 +73,7 @@ NestedResult expect_level(Source& source) {
 TEST(NestedLevel, SmallShapes) {
   const TriangleMesh sphere = shapes::sphere(4);
   const TriangleMesh torus = shapes::torus(1, 0.35, 40, 20);
-  for (const auto& [input, faces, most] :
-       {std::tuple{sphere, 500, 1.02}, {sphere, 60, 1.25}, {torus, 400, 1.06}, {torus, 100, 1.5}}) {
+  for (const auto& [input, faces, most] : {std::tuple{sphere, 500, 1.02}, {sphere, 60, 1.25}, {torus, 100, 1.5}}) {
     Source source(input, faces);
     const NestedResult level = expect_level(source);
     EXPECT_LT(level.candidate.volume, most * source.mesh.volume) << faces << " from " << level.candidate.start;
@@ -86,7 +85,7 @@ TEST(NestedLevel, EveryEnergyAndBothPaths) {
   for (const EnergyPtr& inflate : {start_energy(), step_energy(), volume_energy()}) {
     for (const EnergyPtr& final : {start_energy(), step_energy(), volume_energy()}) {
       SCOPED_TRACE(inflate->name() + ", " + final->name());
-      Source source(shapes::sphere(3), 100);
+      Source source(shapes::sphere(2), 60);
       source.request.inflate = inflate;
       source.request.final = final;
       source.request.path = final->name() == "step" ? FlowPath::history : FlowPath::straight;
@@ -112,7 +111,7 @@ TEST(NestedLevel, TheFinalEnergyIsMinimised) {
 }
 
 TEST(NestedLevel, Parts) {
-  Source source(joined(shapes::sphere(3), moved(shapes::sphere(3), {2.3, 0, 0})), 300);
+  Source source(joined(shapes::sphere(2), moved(shapes::sphere(2), {2.3, 0, 0})), 120);
   expect_level(source);
 }
 
@@ -139,7 +138,7 @@ TEST(NestedLevel, AnEmptyPartOfTheUsersCoarseMesh) {
       joined(shapes::scaled(shapes::sphere(1), 1.1), moved(shapes::scaled(shapes::sphere(1), 0.05), {2, 0, 0}));
   Source source(shapes::sphere(3), 0);
   source.request.coarse = &coarse;
-  expect_level(source);
+  EXPECT_EQ(expect_level(source).candidate.cage.triangles.rows(), 32) << "the part is dropped";
 }
 
 TEST(NestedLevel, TheUsersDecimator) {
@@ -196,11 +195,11 @@ TEST(NestedLevel, DegenerateTriangles) {
 }
 
 TEST(NestedLevel, TheSameForAnyNumberOfThreads) {
-  const TriangleMesh input = shapes::torus(1, 0.3, 40, 20);
-  Source one(input, 320);
+  const TriangleMesh input = shapes::torus(1, 0.3, 30, 16);
+  Source one(input, 310);
   const NestedResult first = expect_level(one);
   for (const int threads : {2, 3}) {
-    Source other(input, 320);
+    Source other(input, 310);
     other.request.threads = threads;
     const NestedResult level = expect_level(other);
     EXPECT_EQ(level.candidate.cage.vertices, first.candidate.cage.vertices);
