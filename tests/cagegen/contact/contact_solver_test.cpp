@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
 
 #include "tests/cagegen/contact/shapes.h"
@@ -73,6 +74,21 @@ TEST(Approach, ExtremePlaces) {
       expect_valid_walk(scene, size, 7, 6);
       if (HasFailure()) return;
     }
+  }
+}
+
+TEST(Approach, NoNumberLeavesAVertexWhereItIs) {
+  const Nested scene = shapes::nested()[0];
+  const Obstacle obstacle(scene.inner);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    ContactSolver solver(scene.cage, shapes::contact_options());
+    Places wanted = solver.places();
+    for (Point& p : wanted) p *= 0.9;
+    wanted[5].y() = bad;
+    const Places next = solver.approach(obstacle, wanted);
+    EXPECT_EQ(next[5], solver.places()[5]);
+    EXPECT_NE(next, solver.places()) << "others go on";
+    shapes::expect_certified(scene.inner, shapes::at(scene.cage, next));
   }
 }
 
