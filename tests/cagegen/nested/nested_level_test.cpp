@@ -124,13 +124,13 @@ TEST(NestedLevel, TheUsersCoarseMesh) {
   EXPECT_EQ(level.candidate.cage.triangles, coarse.triangles);
   EXPECT_EQ(level.undeformed.vertices, shapes::rounded(coarse).vertices);
 
-  // A component of the source that the coarse mesh has no room for.
-  const TriangleMesh tiny = shapes::scaled(shapes::sphere(1), 1e-5);
-  Source too_big(shapes::sphere(3), 0);
-  too_big.request.coarse = &tiny;
-  EXPECT_FALSE(too_big.build());
-  EXPECT_EQ(too_big.failure.rfind("user: ", 0), 0u) << too_big.failure;
-  ASSERT_FALSE(too_big.log.empty());
+  // One that lies elsewhere.
+  const TriangleMesh far = moved(coarse, {100, 0, 0});
+  Source lost(shapes::sphere(1), 0);
+  lost.request.coarse = &far;
+  EXPECT_FALSE(lost.build());
+  EXPECT_EQ(lost.failure.rfind("user: the flow stalls", 0), 0u) << lost.failure;
+  EXPECT_FALSE(lost.log.empty());
 }
 
 TEST(NestedLevel, AnEmptyPartOfTheUsersCoarseMesh) {
