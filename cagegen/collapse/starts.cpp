@@ -242,6 +242,31 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces) {
   return make_manifold(result);
 }
 
+TriangleMesh keep_components(const TriangleMesh& mesh, std::span<const std::int32_t> label,
+                             const std::vector<bool>& kept) {
+  TriangleMesh result;
+  std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.vertices.rows()), -1);
+  std::vector<std::int32_t> used;
+  std::vector<std::int64_t> rows;
+  for (std::size_t t = 0; t < label.size(); ++t) {
+    if (!kept[label[t]]) continue;
+    rows.push_back(static_cast<std::int64_t>(t));
+    for (const std::int32_t v : indices(mesh, rows.back())) {
+      if (number[v] >= 0) continue;
+      number[v] = static_cast<std::int32_t>(used.size());
+      used.push_back(v);
+    }
+  }
+  result.vertices.resize(static_cast<std::int64_t>(used.size()), 3);
+  for (std::size_t v = 0; v < used.size(); ++v)
+    result.vertices.row(static_cast<std::int64_t>(v)) = mesh.vertices.row(used[v]);
+  result.triangles.resize(static_cast<std::int64_t>(rows.size()), 3);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (int k = 0; k < 3; ++k) result.triangles(static_cast<std::int64_t>(r), k) = number[mesh.triangles(rows[r], k)];
+  }
+  return result;
+}
+
 TriangleMesh outermost_components(const TriangleMesh& cage) {
   std::vector<std::int32_t> label;
   const int components = triangle_components(cage, label);
@@ -273,27 +298,7 @@ TriangleMesh outermost_components(const TriangleMesh& cage) {
       if (other != c && inside(c, other)) kept[c] = false;
     }
   }
-  TriangleMesh result;
-  std::vector<std::int32_t> number(static_cast<std::size_t>(cage.vertices.rows()), -1);
-  std::vector<std::int32_t> used;
-  std::vector<std::int64_t> rows;
-  for (std::size_t t = 0; t < label.size(); ++t) {
-    if (!kept[label[t]]) continue;
-    rows.push_back(static_cast<std::int64_t>(t));
-    for (const std::int32_t v : indices(cage, rows.back())) {
-      if (number[v] >= 0) continue;
-      number[v] = static_cast<std::int32_t>(used.size());
-      used.push_back(v);
-    }
-  }
-  result.vertices.resize(static_cast<std::int64_t>(used.size()), 3);
-  for (std::size_t v = 0; v < used.size(); ++v)
-    result.vertices.row(static_cast<std::int64_t>(v)) = cage.vertices.row(used[v]);
-  result.triangles.resize(static_cast<std::int64_t>(rows.size()), 3);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    for (int k = 0; k < 3; ++k) result.triangles(static_cast<std::int64_t>(r), k) = number[cage.triangles(rows[r], k)];
-  }
-  return result;
+  return keep_components(cage, label, kept);
 }
 
 }  // namespace encage::makers

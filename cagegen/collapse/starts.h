@@ -3,7 +3,10 @@
 
 #include <encage/mesh.h>
 
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "cagegen/geometry/obstacle.h"
 
@@ -31,6 +34,10 @@ std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleM
 
 /// Convex hull, scaled up until it is clear of the obstacle: the last resort, and always succeeds.
 TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance);
+
+/// The components for which `kept` is set, of a mesh labelled by triangle_components(); unused vertices go.
+TriangleMesh keep_components(const TriangleMesh& mesh, std::span<const std::int32_t> label,
+                             const std::vector<bool>& kept);
 
 /// Drops every component that lies inside another or bounds a void: what it encloses stays enclosed.
 TriangleMesh outermost_components(const TriangleMesh& cage);

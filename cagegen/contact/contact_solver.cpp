@@ -14,8 +14,8 @@ namespace encage::makers {
 
 namespace {
 
-constexpr int kRounds = 8;     // of contact generation in one step
-constexpr int kSweeps = 60;    // of projected Gauss-Seidel in one solve
+constexpr int kRounds = 8;   // of contact generation in one step
+constexpr int kSweeps = 60;  // of projected Gauss-Seidel in one solve
 constexpr int kSlowSweeps = 400;
 constexpr double kLift = 1.6;  // clearances that a contact asks for
 constexpr std::size_t kHitLimit = 24;
@@ -30,6 +30,12 @@ void sort_unique(Pairs& pairs) {
 template <class Pairs, class Pair>
 bool contains(const Pairs& sorted, const Pair& pair) {
   return std::binary_search(sorted.begin(), sorted.end(), pair);
+}
+
+double largest_coordinate(const ContactSolver::Places& places) {
+  double largest = 0;
+  for (const Point& p : places) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  return largest;
 }
 
 Point at(const Corners& c, const std::array<double, 3>& w) { return w[0] * c[0] + w[1] * c[1] + w[2] * c[2]; }
@@ -74,10 +80,9 @@ ContactSolver::ContactSolver(const TriangleMesh& cage, ContactOptions options) :
     for (const std::int32_t v : face_.back()) incident_[v].push_back(static_cast<std::int32_t>(t));
   }
   box_.resize(face_.size());
-  for (std::size_t f = 0; f < face_.size(); ++f) {
-    for (const std::int32_t v : face_[f]) box_[f].extend(place_[v]);
-  }
+  for (std::size_t f = 0; f < face_.size(); ++f) fit_box(place_, static_cast<std::int32_t>(f));
   tree_.build(box_);
+  tested_ = place_;
   dirty_.assign(face_.size(), false);
 }
 
@@ -139,6 +144,11 @@ bool ContactSolver::resolve(const Step& step, const Places& wanted, Places& y) {
   return false;
 }
 
+void ContactSolver::fit_box(const Places& y, std::int32_t f) {
+  box_[f].setEmpty();
+  for (const std::int32_t v : face_[f]) box_[f].extend(y[v]);
+}
+
 void ContactSolver::begin(const Step& step) {
   // Contacts that pushed last time will push again.
   known_.clear();
@@ -148,12 +158,18 @@ void ContactSolver::begin(const Step& step) {
   }
   sort_unique(known_);
   contacts_.clear();
+  magnitude_ = largest_coordinate(place_);
+  // What was tested last need not have been taken.
+  if (tested_ != place_) {
+    for (std::size_t f = 0; f < face_.size(); ++f) fit_box(place_, static_cast<std::int32_t>(f));
+    tree_.refit(box_);
+    tested_ = place_;
+  }
   if (step.reach > 0) {
     add_all_near(step);
   } else {
     for (const Pair& pair : known_) add_contact(step, pair, false);
   }
-  tested_ = place_;
   hits_.clear();
   test_all_ = step.moves;
 }
@@ -251,7 +267,7 @@ void ContactSolver::add_all_near(const Step& step) {
     near.clear();
     step.before.highest_hits(prism, step.reach, most, near);
     for (const std::int32_t t : near) known_.push_back({f, t});
-    tree_.traverse(step.before.near(prism, step.reach), [&](std::int32_t other) {
+    tree_.traverse(step.before.near(prism, step.reach, magnitude_), [&](std::int32_t other) {
       if (other <= f) return;
       if (!separated(face_[f], mine, face_[other], corners(place_, other), step.reach)) {
         known_.push_back({f, -1 - other});
@@ -310,13 +326,11 @@ void ContactSolver::retest(const Step& step, const Places& y) {
   for (std::size_t f = 0; f < face_.size(); ++f) {
     const auto face = static_cast<std::int32_t>(f);
     dirty_[f] = corners(y, face) != corners(tested_, face);
-    if (dirty_[f]) {
-      box_[f].setEmpty();
-      for (const std::int32_t v : face_[f]) box_[f].extend(y[v]);
-    }
+    if (dirty_[f]) fit_box(y, face);
     if (dirty_[f] || test_all_) faces.push_back(face);
   }
   tree_.refit(box_);
+  magnitude_ = largest_coordinate(y);
   work_ += static_cast<std::int64_t>(faces.size());
   std::erase_if(hits_,
                 [&](const Pair& pair) { return dirty_[pair.face] || (pair.other < 0 && dirty_[-1 - pair.other]); });
@@ -357,7 +371,7 @@ void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f,
     for (const std::int32_t t : triangles) found.push_back({f, t});
   }
   if (!dirty_[f]) return;
-  tree_.traverse(step.after.near(prism, options_.self_clearance), [&](std::int32_t other) {
+  tree_.traverse(step.after.near(prism, options_.self_clearance, magnitude_), [&](std::int32_t other) {
     if (other == f || (other < f && dirty_[other])) return;
     const Corners theirs = corners(y, other);
     if (!moved && theirs == corners(place_, other)) return;
@@ -416,11 +430,14 @@ bool ContactSolver::encloses_all(const Obstacle& obstacle, const Places& y) {
   std::sort(passed.begin(), passed.end(), before);
   passed.erase(std::unique(passed.begin(), passed.end()), passed.end());
   work_ += static_cast<std::int64_t>(face_.size() * passed.size() / 50);
-  return std::all_of(passed.begin(), passed.end(), [&](const Point& x) {
-    double angle = 0;
-    for (std::size_t f = 0; f < face_.size(); ++f) angle += solid_angle(x, corners(y, static_cast<std::int32_t>(f)));
-    return angle > 6;  // 4 pi, or 0 outside
-  });
+  return std::all_of(passed.begin(), passed.end(), [&](const Point& x) { return encloses(y, x); });
+}
+
+bool ContactSolver::encloses(const Places& y, const Point& x) const {
+  double angle = 0;
+  for (std::size_t f = 0; f < face_.size(); ++f) angle += solid_angle(x, corners(y, static_cast<std::int32_t>(f)));
+  // 4 pi; 0 outside, 8 pi where a component of the cage has passed another one.
+  return angle > 6 && angle < 19;
 }
 
 }  // namespace encage::makers

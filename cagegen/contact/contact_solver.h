@@ -52,6 +52,8 @@ class ContactSolver {
   /// True if a step from the present state to `places`, free of contacts, has not passed a component of the
   /// obstacle as a whole.
   bool encloses_all(const Obstacle& obstacle, const Places& places);
+  /// True if a point is inside one component of the cage at `places`, and inside of it only.
+  bool encloses(const Places& places, const Point& x) const;
   void commit(Places places) { place_ = std::move(places); }
 
   /// Faces tested so far: the unit of work budgets.
@@ -87,6 +89,7 @@ class ContactSolver {
   };
 
   Corners corners(const Places& y, std::int32_t f) const { return {y[face_[f][0]], y[face_[f][1]], y[face_[f][2]]}; }
+  void fit_box(const Places& y, std::int32_t f);
   void begin(const Step& step);
   bool resolve(const Step& step, const Places& wanted, Places& y);
   void project(const Places& wanted, int sweeps, Places& y);
@@ -107,6 +110,7 @@ class ContactSolver {
   TriangleTree tree_;                                ///< of the faces as tested last
   std::vector<Eigen::AlignedBox3d> box_;
   Places tested_;
+  double magnitude_ = 0;     ///< of the places tested last
   std::vector<bool> dirty_;  ///< of faces, in the present test
   bool test_all_ = false;    ///< the obstacle has moved and no face has been tested against it
   std::vector<Pair> hits_;   ///< of the places tested last, sorted

@@ -4,6 +4,9 @@
 #include <encage/energy.h>
 #include <encage/mesh.h>
 
+#include <cstdint>
+#include <functional>
+
 #include "cagegen/contact/contact_solver.h"
 
 namespace encage::makers {

@@ -160,12 +160,16 @@ std::uint64_t& Obstacle::work() {
   return count;
 }
 
-BoxFilter Obstacle::near(const Prism& prism, double clearance) const {
+BoxFilter Obstacle::near(const Prism& prism, double clearance, double magnitude) const {
   Eigen::AlignedBox3d box;
-  for (const Point& p : prism.corner) box.extend(p);
+  magnitude = std::max(magnitude, magnitude_);
+  for (const Point& p : prism.corner) {
+    box.extend(p);
+    magnitude = std::max(magnitude, p.cwiseAbs().maxCoeff());
+  }
   box.min().array() -= clearance;
   box.max().array() += clearance;
-  BoxFilter filter(box, magnitude_);
+  BoxFilter filter(box, magnitude);
   if (!prism.valid) return filter;
   // Over all corners: a sliver's planes may be tilted by rounding, as far as you like.
   const auto below = [&](const Point& normal) {

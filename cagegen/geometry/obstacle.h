@@ -74,7 +74,8 @@ class Obstacle {
   /// The same, those that reach highest over the triangle first, as far as boxes tell.
   void highest_hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
   /// Boxes that may come within `clearance` of the prism's triangle; an invalid prism's are all those near its box.
-  BoxFilter near(const Prism& prism, double clearance) const;
+  /// `magnitude` bounds the coordinates of boxes other than the obstacle's.
+  BoxFilter near(const Prism& prism, double clearance, double magnitude = 0) const;
   bool hit(const Prism& prism, double clearance) const;
 
   /// How far the plane of the prism's triangle must turn about its edge corner[1] -> corner[2] so that

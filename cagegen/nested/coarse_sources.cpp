@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/coarse_sources.h"
 
-#include <encage/error.h>
+#include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include "cagegen/collapse/starts.h"
 #include "cagegen/decimate/decimate.h"
@@ -72,6 +74,29 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedR
                        static_cast<int>(sources.size())});
   }
   return sources;
+}
+
+void drop_empty_parts(TriangleMesh& coarse, TriangleMesh& moved, const Obstacle& flowed) {
+  std::vector<std::int32_t> label;
+  const int components = triangle_components(moved, label);
+  if (components == 1) return;
+  std::vector<bool> kept(static_cast<std::size_t>(components), false);
+  for (std::int32_t c = 0; c < components; ++c) {
+    std::vector<bool> only(kept.size(), false);
+    only[c] = true;
+    const TriangleMesh part = keep_components(moved, label, only);
+    std::vector<Point> points;
+    flowed.representatives(bounds(part), points);
+    kept[c] = signed_volume(part) <= 0 || std::any_of(points.begin(), points.end(), [&](const Point& x) {
+                double angle = 0;
+                for (std::int64_t t = 0; t < part.triangles.rows(); ++t) {
+                  angle += solid_angle(x, {part.corner(t, 0), part.corner(t, 1), part.corner(t, 2)});
+                }
+                return angle > 6;  // 4 pi, or 0 outside
+              });
+  }
+  coarse = keep_components(coarse, label, kept);
+  moved = keep_components(moved, label, kept);
 }
 
 }  // namespace encage::makers

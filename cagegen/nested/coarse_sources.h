@@ -23,4 +23,8 @@ struct CoarseSource {
 std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedRequest& request,
                                          const std::function<void()>& check);
 
+/// Drops the components of a coarse mesh in which nothing of F lies after the flow: minimising the volume, they would
+/// vanish, and turn inside out. Voids stay. `moved` is the coarse mesh as F flowed into it, with the same triangles.
+void drop_empty_parts(TriangleMesh& coarse, TriangleMesh& moved, const Obstacle& flowed);
+
 }  // namespace encage::makers

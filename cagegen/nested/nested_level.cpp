@@ -184,6 +184,9 @@ class NestedLevel {
   bool inflate(Flowed& flowed) {
     const auto start = Clock::now();
     NestedResult& result = flowed.result;
+    Obstacle inside = obstacle_;
+    inside.move(flowed.flow.positions);
+    drop_empty_parts(result.undeformed, flowed.cage, inside);
     ContactSolver solver(flowed.cage, contact_options());
     ReinflateRequest reinflation;
     reinflation.fine = request_.inner;

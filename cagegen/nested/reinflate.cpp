@@ -103,14 +103,7 @@ class Reinflation {
   bool encloses_all(const ContactSolver::Places& places) const {
     const auto& points = after_.representatives();
     if (points.size() * solver_.face_count() > 20'000'000) return true;
-    return std::all_of(points.begin(), points.end(), [&](const Point& x) {
-      double angle = 0;
-      for (std::size_t f = 0; f < solver_.face_count(); ++f) {
-        const auto& face = solver_.face(f);
-        angle += solid_angle(x, {places[face[0]], places[face[1]], places[face[2]]});
-      }
-      return angle > 6;  // 4 pi, or 0 outside
-    });
+    return std::all_of(points.begin(), points.end(), [&](const Point& x) { return solver_.encloses(places, x); });
   }
 
   /// Energies that do not lead to where the cage is by themselves get a few steps with F at rest.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <string>
 
 #include "cagegen/collapse/collapse.h"
 #include "cagegen/collapse/starts.h"
@@ -72,6 +73,85 @@ TEST(Shrink, CheckMayStopIt) {
   const TriangleMesh cage = inflated(sphere, 0.05);
   const auto stop = [] { throw std::runtime_error("stop"); };
   EXPECT_THROW(shrink(Obstacle(sphere), cage, options(2, stop)), std::runtime_error);
+}
+
+/// Draws the cage to a place of its own in one direction: nothing that the built-in energies do.
+class Sideways final : public CageEnergy {
+  std::string name() const override { return "sideways"; }
+  double value(const EnergyState& state) const override { return state.cage.col(0).sum(); }
+  Vertices gradient(const EnergyState& state) const override {
+    Vertices result = Vertices::Zero(state.cage.rows(), 3);
+    result.col(0).setOnes();
+    return result;
+  }
+};
+
+struct Minimized {
+  double before;
+  double after;
+  TriangleMesh cage;
+  std::int64_t work;
+};
+
+Minimized minimized(const TriangleMesh& solid, const TriangleMesh& rest, const TriangleMesh& cage,
+                    const CageEnergy& energy, MinimizeRequest request = {}) {
+  ContactSolver solver(cage, options(1));
+  request.fine = &solid;
+  request.rest = &rest;
+  request.energy = &energy;
+  minimize(solver, Obstacle(solid), request);
+  const TriangleMesh result = solver.mesh();
+  return {energy.value({solid, rest, cage.vertices, cage.vertices}),
+          energy.value({solid, rest, cage.vertices, result.vertices}), result, solver.work()};
+}
+
+TEST(Minimize, NeverRaisesTheEnergy) {
+  shapes::Random random(8);
+  const Sideways sideways;
+  const EnergyPtr start = start_energy(), step = step_energy(), volume = volume_energy();
+  for (const TriangleMesh& solid : {shapes::sphere(2), shapes::torus(1, 0.3, 20, 10)}) {
+    for (int round = 0; round < 4; ++round) {
+      const TriangleMesh cage = inflated(solid, random(0.02, 0.1));
+      // The energy's rest cuts through the solid.
+      TriangleMesh rest = cage;
+      for (std::int64_t v = 0; v < rest.vertices.rows(); ++v) rest.vertices.row(v) += random.point(0.1).transpose();
+      for (const CageEnergy* energy :
+           {start.get(), step.get(), volume.get(), static_cast<const CageEnergy*>(&sideways)}) {
+        SCOPED_TRACE(energy->name());
+        const Minimized result = minimized(solid, rest, cage, *energy);
+        if (energy->name() == "step") {
+          EXPECT_EQ(result.cage.vertices, cage.vertices) << "at its minimum";
+        } else {
+          EXPECT_LT(result.after, result.before);
+        }
+        const CertifyResult proof = certify(solid, Solid::closed, result.cage);
+        EXPECT_TRUE(proof.holds) << proof.reason;
+      }
+    }
+  }
+}
+
+TEST(Minimize, ReachesAFreeMinimum) {
+  const TriangleMesh solid = shapes::scaled(shapes::sphere(2), 0.5);
+  const TriangleMesh rest = shapes::rounded(shapes::sphere(1));
+  const Minimized result = minimized(solid, rest, shapes::rounded(shapes::scaled(rest, 1.4)), *start_energy());
+  EXPECT_LT(result.after, 1e-4 * result.before);
+}
+
+TEST(Minimize, KeepsToItsBudget) {
+  const TriangleMesh solid = shapes::sphere(3);
+  const TriangleMesh cage = inflated(solid, 0.1);
+  const EnergyPtr volume = volume_energy();
+  MinimizeRequest request;
+  request.enough = 0;
+  const Minimized all = minimized(solid, cage, cage, *volume, request);
+  request.face_tests = all.work / 4;
+  const Minimized part = minimized(solid, cage, cage, *volume, request);
+  EXPECT_LT(part.work, all.work);
+  EXPECT_GT(part.after, all.after);
+  EXPECT_LT(part.after, part.before);
+  request.iterations = 0;
+  EXPECT_EQ(minimized(solid, cage, cage, *volume, request).cage.vertices, cage.vertices);
 }
 
 }  // namespace

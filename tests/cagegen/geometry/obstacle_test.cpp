@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "cagegen/certify/separation.h"
@@ -214,6 +216,112 @@ TEST(Obstacle, HighestCornerOverATriangle) {
     }
   }
   EXPECT_GT(raised, 200);
+}
+
+TEST(Obstacle, MoveIsAsGoodAsNew) {
+  Random random(48);
+  for (const Point& centre : centres()) {
+    TriangleMesh mesh = soup(random, 300, centre, 0.3);
+    Obstacle moving(mesh);
+    for (int round = 0; round < 5; ++round) {
+      const double by = std::pow(10.0, -round);
+      for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) mesh.vertices.row(v) += random.point(by).transpose();
+      // Far away and back: nothing of the first move may stay.
+      moving.move(Vertices(mesh.vertices.array() * 100));
+      moving.move(mesh.vertices);
+      const Obstacle fresh(mesh);
+      EXPECT_EQ(moving.magnitude(), fresh.magnitude());
+      EXPECT_EQ(moving.representatives(), fresh.representatives());
+      std::size_t total = 0;
+      for (int i = 0; i < 60; ++i) {
+        const Prism prism = random_prism(random, centre);
+        const double clearance = std::pow(10.0, random(-6, -0.5));
+        // Their numbers differ: compare places.
+        const auto hits = [&](const Obstacle& obstacle) {
+          std::vector<std::int32_t> found;
+          obstacle.hits(prism, clearance, obstacle.size(), found);
+          std::vector<std::array<double, 9>> places;
+          for (const std::int32_t t : found) {
+            places.emplace_back();
+            for (int k = 0; k < 9; ++k) places.back()[k] = obstacle.corners(t)[k / 3][k % 3];
+          }
+          std::sort(places.begin(), places.end());
+          return places;
+        };
+        EXPECT_EQ(hits(moving), hits(fresh));
+        total += hits(fresh).size();
+        std::vector<Point> points;
+        moving.representatives(Eigen::AlignedBox3d(centre - Point(1, 1, 1), centre + Point(1, 1, 1)), points);
+        for (const Point& p : fresh.representatives()) {
+          const bool inside = (p - centre).cwiseAbs().maxCoeff() <= 1;
+          EXPECT_TRUE(!inside || std::find(points.begin(), points.end(), p) != points.end());
+        }
+      }
+      EXPECT_GT(total, 50u);
+    }
+  }
+}
+
+TEST(Obstacle, HighestHitsAreTheHits) {
+  Random random(49);
+  for (const Point& centre : centres()) {
+    const Obstacle obstacle(soup(random, 400, centre, 0.3));
+    for (int i = 0; i < 200; ++i) {
+      const Prism prism = random_prism(random, centre);
+      const double clearance = std::pow(10.0, random(-6, -0.5));
+      std::vector<std::int32_t> hits;
+      std::vector<std::int32_t> highest;
+      obstacle.hits(prism, clearance, obstacle.size(), hits);
+      obstacle.highest_hits(prism, clearance, obstacle.size(), highest);
+      std::vector<std::int32_t> some{-7};
+      obstacle.highest_hits(prism, clearance, 5, some);
+      EXPECT_EQ(some.size(), std::min<std::size_t>(5, 1 + hits.size())) << "at most so many in all";
+      EXPECT_TRUE(std::equal(some.begin() + 1, some.end(), highest.begin()));
+      std::sort(hits.begin(), hits.end());
+      std::sort(highest.begin(), highest.end());
+      EXPECT_EQ(hits, highest);
+    }
+  }
+}
+
+TEST(Obstacle, HighestHitsComeHighestFirst) {
+  // Points at random heights over one triangle: four, one node of the tree, whose boxes are the points.
+  Random random(50);
+  const Prism prism({Point(0, 0, 0), Point(4, 0, 0), Point(0, 4, 0)});
+  for (int round = 0; round < 100; ++round) {
+    TriangleMesh mesh;
+    mesh.vertices.resize(4, 3);
+    mesh.triangles.resize(4, 3);
+    for (int i = 0; i < 4; ++i) {
+      mesh.vertices.row(i) << random(0.5, 1.5), random(0.5, 1.5), random(-0.5, 0.5);
+      mesh.triangles.row(i).setConstant(i);
+    }
+    const Obstacle obstacle(mesh);
+    std::vector<std::int32_t> found;
+    obstacle.highest_hits(prism, 1, 4, found);
+    ASSERT_EQ(found.size(), 4u);
+    for (int i = 1; i < 4; ++i) {
+      EXPECT_GE(obstacle.corners(found[i - 1])[0].z(), obstacle.corners(found[i])[0].z() - 1e-5);
+    }
+  }
+}
+
+TEST(Obstacle, NearHoldsForBoxesFarFromTheObstacle) {
+  // Boxes that touch the prism's triangle, of something that reaches farther than the obstacle.
+  Random random(51);
+  const Obstacle nothing{TriangleMesh()};
+  for (int i = 0; i < 20000; ++i) {
+    const double size = std::pow(10.0, random(-1, 3));
+    const Prism prism({random.point(size), random.point(size), random.point(size)});
+    double a = random(0, 1), b = random(0, 1);
+    if (a + b > 1) a = 1 - a, b = 1 - b;
+    const Point x = prism.corner[0] + a * (prism.corner[1] - prism.corner[0]) + b * (prism.corner[2] - prism.corner[0]);
+    Eigen::AlignedBox3d box(x);
+    box.extend(x + random.point(i % 2 ? 100 * size : 0));
+    int found = 0;
+    TriangleTree(std::span(&box, 1)).traverse(nothing.near(prism, 0, 101 * size), [&](std::int32_t) { ++found; });
+    EXPECT_EQ(found, 1) << i;
+  }
 }
 
 TEST(Obstacle, OneRepresentativeAComponent) {

@@ -145,6 +145,60 @@ TEST(TriangleTree, UpdateAndRemove) {
   }
 }
 
+TEST(TriangleTree, Refit) {
+  Random random(6);
+  for (const Point& centre : centres()) {
+    for (const int count : {1, 3, 5, 6, 40, 300}) {
+      std::vector<Box> boxes;
+      while (boxes.size() < static_cast<std::size_t>(count)) {
+        const Box box = random_box(random, centre, boxes);
+        // Those that are left out at first stay out.
+        if (!box.isEmpty() || count > 100) boxes.push_back(box);
+      }
+      TriangleTree tree(boxes);
+      for (int round = 0; round < 6; ++round) {
+        for (Box& box : boxes) {
+          if (box.isEmpty() || random.integer(3) == 0) continue;
+          do box = random_box(random, centre + random.point(1), {});
+          while (box.isEmpty());
+        }
+        const int gone = random.integer(count);
+        if (count > 3 && !boxes[gone].isEmpty()) {
+          tree.remove(gone);
+          boxes[gone] = Box();
+        }
+        tree.refit(boxes);
+        for (int i = 0; i < 20; ++i) {
+          const Query query = random_query(random, centre);
+          expect_scan(tree, boxes, query);
+          // The same as of a tree made afresh, boxes as tight at the leaves.
+          EXPECT_EQ(found(tree, query.filter()), found(TriangleTree(boxes), query.filter()));
+        }
+      }
+    }
+  }
+}
+
+TEST(TriangleTree, RefitShrinksWhatUpdatesHaveGrown) {
+  std::vector<Box> boxes;
+  for (int i = 0; i < 64; ++i) boxes.emplace_back(Point(i, 0, 0), Point(i + 0.5, 1, 1));
+  TriangleTree tree(boxes);
+  for (int i = 0; i < 64; ++i) tree.update(i, Box(Point(-900, 5, 0), Point(900, 6, 1)));
+  tree.refit(boxes);
+  // How many boxes, of inner nodes too, a query looks into.
+  int accepted = 0;
+  const BoxFilter filter(Box(Point(10.1, 0.1, 0.1), Point(10.2, 0.2, 0.2)), 64);
+  const auto counted = [&](const Float4(&low)[3], const Float4(&high)[3]) {
+    const Mask4 mask = filter(low, high);
+    for (int lane = 0; lane < 4; ++lane) accepted += mask.lane(lane);
+    return mask;
+  };
+  std::vector<std::int32_t> visited;
+  tree.traverse(counted, [&](std::int32_t i) { visited.push_back(i); });
+  EXPECT_EQ(visited, std::vector<std::int32_t>{10});
+  EXPECT_EQ(accepted, 3) << "64 leaves, four a node";
+}
+
 TEST(TriangleTree, Renumber) {
   Random random(4);
   std::vector<Box> boxes;
