@@ -5,6 +5,7 @@
 #include <encage/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -110,8 +111,16 @@ BaselineResult offset_contour(const SourceMesh& source, std::int64_t faces) {
   });
 }
 
+std::span<const Baseline> baselines() {
+  static constexpr std::array<Baseline, 3> all = {
+      {{"alpha wrap", single_alpha_wrap}, {"progressive hull", progressive_hull}, {"offset contour", offset_contour}}};
+  return all;
+}
+
 std::vector<BaselineResult> run_baselines(const SourceMesh& source, std::int64_t faces) {
-  return {single_alpha_wrap(source, faces), progressive_hull(source, faces), offset_contour(source, faces)};
+  std::vector<BaselineResult> results;
+  for (const Baseline& baseline : baselines()) results.push_back(baseline.run(source, faces));
+  return results;
 }
 
 }  // namespace encage::zoo

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,15 @@ BaselineResult progressive_hull(const SourceMesh& source, std::int64_t faces);
 /// self-intersection: the one at the smallest distance that holds. If none does, the last one that was tried.
 BaselineResult offset_contour(const SourceMesh& source, std::int64_t faces);
 
-/// All three, in this order. One thread; no exception but for a lack of memory.
+struct Baseline {
+  const char* name;  ///< as BaselineResult::name
+  BaselineResult (*run)(const SourceMesh& source, std::int64_t faces);
+};
+
+/// The three above, in this order.
+std::span<const Baseline> baselines();
+
+/// All of them. One thread; no exception but for a lack of memory.
 std::vector<BaselineResult> run_baselines(const SourceMesh& source, std::int64_t faces);
 
 }  // namespace encage::zoo

@@ -5,6 +5,13 @@
 
 namespace encage::zoo {
 
+std::optional<double> median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
 std::optional<double> volume_ratio(const nlohmann::ordered_json& level) {
   if (level.is_null() || level.at("volume_ratio").is_null()) return std::nullopt;
   return level.at("volume_ratio").get<double>();

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/zoo/zoo.h"
 
@@ -18,6 +19,8 @@ std::string text(const char* format, Values... values) {
   std::snprintf(buffer, sizeof buffer, format, values...);
   return buffer;
 }
+
+std::optional<double> median(std::vector<double> values);
 
 /// Of a level's figures, which may be null; no value if the source is no solid.
 std::optional<double> volume_ratio(const nlohmann::ordered_json& level);

@@ -27,14 +27,15 @@ constexpr const char* examples = R"(Examples:
       cages at 2,000, 500 and 100 faces around every mesh of a folder
   encage-zoo bunny.off fandisk.off --faces 1000 --gallery pictures/
       one level, and pictures of input, section and cage
-  encage-zoo meshes/ --method auto,flow,collapse --markdown methods.md
-      three methods side by side
+  encage-zoo meshes/ --method auto,flow,collapse --baselines --markdown methods.md
+      three methods side by side, and beside plain ones
 
 Exit status: 0 if every mesh got certified cages, from every method, 1 if not, 2 for bad usage.)";
 
 struct Arguments {
   std::vector<std::filesystem::path> paths;
   std::vector<std::string> methods = {"auto"};
+  bool baselines = false;
   BakeOptions options;
   std::filesystem::path json;
   std::filesystem::path markdown;
@@ -52,6 +53,8 @@ void define(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember(tool::method_names()).description(""))
       ->capture_default_str()
       ->type_name("NAME,...");
+  app.add_flag("--baselines", a.baselines,
+               "On clean meshes also a single alpha wrap, a progressive hull and an offset contour for each level");
   tool::add_threads(app, a.options);
   app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
   app.add_option("--markdown", a.markdown, "Write the table as a Markdown document")->type_name("FILE");
@@ -100,10 +103,16 @@ bool run_several(const Arguments& a, const std::vector<std::filesystem::path>& f
   const std::vector<std::int64_t>& faces = a.options.faces;
   std::cout << comparison_head(faces);
   std::vector<Contender> contenders;
-  for (const std::string& method : a.methods) contenders.push_back({method, {}});
-  for (const auto& file : files) {
-    for (Contender& contender : contenders) {
-      contender.models.push_back(bake_by(contender.name, file, a));
+  for (const std::string& method : a.methods) contenders.push_back({method, false, {}});
+  if (a.baselines) {
+    for (const Baseline& baseline : baselines()) contenders.push_back({baseline.name, true, {}});
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    for (std::size_t c = 0; c < contenders.size(); ++c) {
+      Contender& contender = contenders[c];
+      contender.models.push_back(contender.baseline
+                                     ? run_baseline(baselines()[c - a.methods.size()], witness(contenders, i), faces)
+                                     : bake_by(contender.name, files[i], a));
       std::cout << comparison_line(contender.name, contender.models.back(), faces) << std::flush;
     }
   }
@@ -111,7 +120,7 @@ bool run_several(const Arguments& a, const std::vector<std::filesystem::path>& f
   if (!a.json.empty()) tool::write_json(a.json, comparison_json(contenders, faces));
   if (!a.markdown.empty()) write_atomically(a.markdown, comparison_markdown(contenders, faces, command));
   return std::all_of(contenders.begin(), contenders.end(),
-                     [&](const Contender& c) { return all_certified(summarize(c.models, faces)); });
+                     [&](const Contender& c) { return c.baseline || all_certified(summarize(c.models, faces)); });
 }
 
 int run(const Arguments& a, const std::string& command) {
@@ -120,7 +129,8 @@ int run(const Arguments& a, const std::string& command) {
   }
   const std::vector<std::filesystem::path> files = mesh_files(a.paths);
   if (files.empty()) throw Error(a.paths.front().string() + ": holds no mesh files");
-  const bool certified = a.methods.size() == 1 ? run_one(a, files, command) : run_several(a, files, command);
+  const bool certified =
+      a.methods.size() == 1 && !a.baselines ? run_one(a, files, command) : run_several(a, files, command);
   return certified ? tool::success : tool::answer_is_no;
 }
 

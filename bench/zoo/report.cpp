@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/report.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "bench/zoo/format.h"
@@ -11,13 +10,6 @@ namespace encage::zoo {
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-std::optional<double> median(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 std::string ratio_text(const Json& level) {
   const std::optional<double> value = volume_ratio(level);
@@ -30,6 +22,7 @@ Summary summarize(const std::vector<Model>& models, const std::vector<std::int64
   Summary summary;
   std::vector<double> cpu_seconds;
   for (const Model& model : models) {
+    if (model.outcome == Model::Outcome::skipped) continue;
     if (model.outcome == Model::Outcome::no_mesh) {
       ++summary.no_meshes;
       continue;
@@ -43,7 +36,9 @@ Summary summarize(const std::vector<Model>& models, const std::vector<std::int64
     std::vector<double> excess;
     for (const Model& model : models) {
       if (!model.clean()) continue;
-      if (const auto value = volume_ratio(level_for(model, faces, target))) excess.push_back(*value - 1);
+      const Json level = level_for(model, faces, target);
+      const std::optional<double> value = volume_ratio(level);
+      if (value && level.at("certified").get<bool>()) excess.push_back(*value - 1);
     }
     const auto count = static_cast<std::int64_t>(excess.size());
     summary.levels.push_back({faces[target], count, median(std::move(excess))});

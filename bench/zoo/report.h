@@ -12,12 +12,12 @@ namespace encage::zoo {
 
 struct LevelSummary {
   std::int64_t faces = 0;                      ///< the target
-  std::int64_t models = 0;                     ///< clean models with such a level
+  std::int64_t models = 0;                     ///< clean models with such a level, certified
   std::optional<double> median_excess_volume;  ///< of those, volume ratio - 1
 };
 
 struct Summary {
-  std::int64_t meshes = 0;     ///< files that hold faces
+  std::int64_t meshes = 0;     ///< files that hold faces; without those that were skipped
   std::int64_t certified = 0;  ///< of them, every level certified
   std::int64_t no_meshes = 0;  ///< files refused by the reader
   std::optional<double> median_cpu_seconds;

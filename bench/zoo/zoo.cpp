@@ -52,12 +52,37 @@ Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path&
   return {{"figures", std::move(figures)}};
 }
 
+/// In the child.
+Json run_baseline_here(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
+  const SourceMesh source = sanitize(tool::read_mesh(known.file));
+  const auto input_faces = known.figures.at("source").at("faces").get<std::int64_t>();
+  Json levels = Json::array();
+  double seconds = 0;
+  for (const std::int64_t target : faces) {
+    if (target >= input_faces) {
+      levels.push_back(nullptr);
+      continue;
+    }
+    const BaselineResult result = baseline.run(source, target);
+    seconds += result.cpu_seconds;
+    levels.push_back({{"faces", result.faces},
+                      {"volume_ratio", result.volume_ratio ? Json(*result.volume_ratio) : Json(nullptr)},
+                      {"certified", result.certified},
+                      {"hits", result.hits},
+                      {"self_hits", result.self_hits},
+                      {"cpu_seconds", result.cpu_seconds},
+                      {"error", result.error.empty() ? Json(nullptr) : Json(result.error)}});
+  }
+  return {
+      {"source", known.figures.at("source")}, {"levels", levels}, {"cpu_seconds", seconds}, {"clean", known.clean()}};
+}
+
 }  // namespace
 
 bool Model::certified() const {
   if (outcome != Outcome::baked || figures.at("levels").empty()) return false;
   return std::all_of(figures.at("levels").begin(), figures.at("levels").end(),
-                     [](const Json& level) { return level.at("certified").get<bool>(); });
+                     [](const Json& level) { return level.is_null() || level.at("certified").get<bool>(); });
 }
 
 std::vector<fs::path> mesh_files(const std::vector<fs::path>& paths) {
@@ -92,6 +117,21 @@ Model bake_model(const fs::path& file, const BakeOptions& options, const fs::pat
     model.outcome = Model::Outcome::baked;
     model.figures = std::move(result["figures"]);
   }
+  return model;
+}
+
+Model run_baseline(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
+  Model model;
+  model.file = known.file;
+  model.outcome = Model::Outcome::skipped;
+  if (!known.clean()) return model;
+  const auto input_faces = known.figures.at("source").at("faces").get<std::int64_t>();
+  if (std::none_of(faces.begin(), faces.end(), [&](std::int64_t target) { return target < input_faces; })) return model;
+
+  const ChildResult child = run_isolated([&] { return run_baseline_here(baseline, known, faces).dump(); });
+  model.outcome = child.error.empty() ? Model::Outcome::baked : Model::Outcome::failed;
+  model.error = child.error;
+  if (child.error.empty()) model.figures = Json::parse(child.output);
   return model;
 }
 

@@ -74,6 +74,23 @@ TEST(Summarize, AnUncertifiedLevelCounts) {
   EXPECT_EQ(summarize(doubtful, faces).certified, 0);
 }
 
+TEST(Summarize, AnUncertifiedLevelHasNoExcess) {
+  std::vector<Model> doubtful = {models[0], models[1]};
+  doubtful[0].figures["levels"][1]["certified"] = false;
+  const Summary summary = summarize(doubtful, faces);
+  EXPECT_EQ(summary.levels[1].models, 1);
+  EXPECT_NEAR(summary.levels[1].median_excess_volume.value(), 0.04, 1e-12);
+}
+
+TEST(Summarize, WhatWasSkippedIsNotCounted) {
+  std::vector<Model> some = {models[0], refused("g.off", Model::Outcome::skipped, "")};
+  EXPECT_EQ(summarize(some, faces).meshes, 1);
+  some[0].figures["levels"][0] = nullptr;
+  const Summary summary = summarize(some, faces);
+  EXPECT_EQ(summary.certified, 1);
+  EXPECT_EQ(summary.levels[0].models, 0);
+}
+
 TEST(Summarize, NothingHasNoMedian) {
   EXPECT_FALSE(summarize({}, faces).median_cpu_seconds.has_value());
   EXPECT_FALSE(summarize({}, faces).levels[0].median_excess_volume.has_value());

@@ -89,6 +89,43 @@ TEST_F(Zoo, SetsMethodsSideBySide) {
   EXPECT_NE(folder.read("zoo.md").find("| ring.obj |"), std::string::npos);
 }
 
+TEST_F(Zoo, BaselinesRunOnCleanMeshes) {
+  folder.write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+  const test::RunResult result =
+      test::run({ENCAGE_ZOO_BINARY, "ring.obj", "sheet.obj", "--faces", "2000,100", "--method", "collapse",
+                 "--baselines", "--json", "zoo.json", "--markdown", "zoo.md"},
+                folder.path());
+  EXPECT_EQ(result.status, 0) << result.err;
+  const nlohmann::json models = nlohmann::json::parse(folder.read("zoo.json")).at("models");
+  // Both meshes by collapse; the baselines on the ring alone, which has fewer faces than the first level.
+  ASSERT_EQ(models.size(), 5U);
+  const std::vector<std::string> names = {"collapse", "collapse", "alpha wrap", "progressive hull", "offset contour"};
+  for (std::size_t i = 0; i < models.size(); ++i) EXPECT_EQ(models[i].at("method"), names[i]);
+  for (std::size_t i = 2; i < models.size(); ++i) {
+    EXPECT_TRUE(models[i].at("levels").at(0).is_null());
+    const nlohmann::json& level = models[i].at("levels").at(1);
+    if (level.at("certified")) {
+      EXPECT_GT(level.at("volume_ratio"), 1) << names[i];
+      EXPECT_EQ(level.at("hits"), 0) << names[i];
+    }
+  }
+  EXPECT_EQ(models[2].at("levels").at(1).at("certified"), true);
+  EXPECT_NE(folder.read("zoo.md").find("| alpha wrap | 100 | 1 | 1 | 1 | 0 | 0 |"), std::string::npos);
+}
+
+TEST_F(Zoo, ABaselineThatFailsIsNoFailureOfTheRun) {
+  Model known;
+  known.file = folder.path() / "missing.obj";
+  known.outcome = Model::Outcome::baked;
+  known.figures = {{"source", {{"faces", 1000}}}, {"clean", true}};
+  const Model lost = run_baseline(baselines().front(), known, {100});
+  EXPECT_EQ(lost.outcome, Model::Outcome::failed);
+  EXPECT_NE(lost.error, "");
+  EXPECT_EQ(run_baseline(baselines().front(), known, {1000}).outcome, Model::Outcome::skipped);
+  known.figures["clean"] = false;
+  EXPECT_EQ(run_baseline(baselines().front(), known, {100}).outcome, Model::Outcome::skipped);
+}
+
 TEST_F(Zoo, BadUsageIsRefused) {
   EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY}, folder.path()).status, 2);
   EXPECT_EQ(test::run({ENCAGE_ZOO_BINARY, "missing"}, folder.path()).status, 2);
