@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -31,6 +32,7 @@ constexpr int kExpansions = 10;
 constexpr int kExpansionPatience = 3;
 constexpr double kExpansionReach = 1e-2;  // diagonals, of one expansion
 constexpr std::int64_t kCompete = 300;    // faces up to which all coarse meshes are nested, and the tightest kept
+constexpr double kFarMotion = 0.2;        // sizes of a coarse triangle, beyond which a wrap competes with decimations
 constexpr double kSelfClearance = 6;      // clearances: the next level must fit between two strands of this one
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -59,17 +61,17 @@ class NestedLevel {
     std::size_t next = 0;
     while (next < sources.size()) {
       std::vector<FlowedPtr> flowed;
-      const int group = sources[next].group;
       done_ = 0;
       share_ = compete ? 1.0 / static_cast<double>(sources.size()) : 1;
-      for (; next < sources.size() && (compete || sources[next].group == group); ++next) {
-        report(0);
-        if (auto in = flow_in(sources[next])) flowed.push_back(std::move(in));
+      do {
+        flow_in_group(sources, next, flowed);
+      } while (compete && next < sources.size());
+      const bool doubtful = !compete && next < sources.size() && moved_far(flowed);
+      if (doubtful) {
+        flow_in_group(sources, next, flowed);
+        share_ = 1.0 / static_cast<double>(flowed.size());
       }
-      // The less F had to move, the tighter the cage will be.
-      std::stable_sort(flowed.begin(), flowed.end(),
-                       [](const FlowedPtr& a, const FlowedPtr& b) { return a->moved < b->moved; });
-      if (auto result = nest(std::move(flowed), compete, accept)) return result;
+      if (auto result = nest(std::move(flowed), compete || doubtful, accept)) return result;
     }
     return std::nullopt;
   }
@@ -87,6 +89,30 @@ class NestedLevel {
     if (!request_.log) return;
     request_.log("coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
                  (times == 1 ? " time" : " times"));
+  }
+
+  /// F flowed into all sources of a group, from `next` on.
+  void flow_in_group(const std::vector<CoarseSource>& sources, std::size_t& next,
+                     std::vector<FlowedPtr>& flowed) const {
+    const int group = sources[next].group;
+    for (; next < sources.size() && sources[next].group == group; ++next) {
+      report(0);
+      if (auto in = flow_in(sources[next])) flowed.push_back(std::move(in));
+    }
+    // The less F had to move, the tighter the cage will be.
+    std::stable_sort(flowed.begin(), flowed.end(),
+                     [](const FlowedPtr& a, const FlowedPtr& b) { return a->moved < b->moved; });
+  }
+
+  /// F had to fold to come into any of them, and may jam on its way back.
+  bool moved_far(const std::vector<FlowedPtr>& flowed) const {
+    if (flowed.empty()) return false;
+    double area = 0;
+    const TriangleMesh& mesh = flowed.front()->result.undeformed;
+    for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
+      area += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm() / 2;
+    }
+    return flowed.front()->moved > kFarMotion * std::sqrt(area / static_cast<double>(mesh.triangles.rows()));
   }
 
   /// Null if F cannot be brought in.
