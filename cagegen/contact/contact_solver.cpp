@@ -288,7 +288,7 @@ void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
     if (c.multiplier == 0) continue;
     for (int k = 0; k < c.count; ++k) y[c.vertex[k]] += c.multiplier * c.weight[k] * c.normal;
   }
-  const double tolerance = 0.05 * options_.clearance;
+  const double tolerance = 0.15 * options_.clearance;
   const double least = 0.1 * tolerance;  // changes below it are not worth their consequences
   moved_at_.assign(y.size(), 1);
   seen_at_.assign(contacts_.size(), 0);

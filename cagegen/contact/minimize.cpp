@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/contact/minimize.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -8,7 +9,8 @@ namespace encage::makers {
 
 namespace {
 
-constexpr double kFirstStep = 0.03;  // of the edges' length
+constexpr double kNegligible = 2e-5;  // of the energy, a step's gain
+constexpr double kFirstStep = 0.03;   // of the edges' length
 // Steps along the obstacle zigzag without it, and gain half as much.
 constexpr double kMomentum = 0.8;
 
@@ -73,7 +75,8 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
     }
     if (before - value < 0.02 * step * slope) step *= 0.6;
     recent = 0.5 * (recent + before - value);
-    if (recent < request.enough * (first_value - value) && iteration > 3) break;
+    const double enough = std::max(request.enough * (first_value - value), kNegligible * std::abs(value));
+    if (recent < enough && iteration > 3) break;
   }
 }
 
