@@ -32,7 +32,7 @@ constexpr int kExpansions = 10;
 constexpr int kExpansionPatience = 3;
 constexpr double kExpansionReach = 1e-2;  // diagonals, of one expansion
 constexpr std::int64_t kCompete = 300;    // faces up to which all coarse meshes are nested, and the tightest kept
-constexpr double kFarMotion = 0.2;        // sizes of a coarse triangle, beyond which a wrap competes with decimations
+constexpr double kFarMotion = 0.12;       // sizes of a coarse triangle, beyond which a wrap competes with decimations
 constexpr double kSelfClearance = 6;      // clearances: the next level must fit between two strands of this one
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }

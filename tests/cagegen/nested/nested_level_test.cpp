@@ -81,6 +81,16 @@ TEST(NestedLevel, SmallShapes) {
   }
 }
 
+TEST(NestedLevel, WhereTheFineMeshHasToMoveFarAWrapIsTriedToo) {
+  Random random(5);
+  TriangleMesh spiky = shapes::sphere(4);
+  for (Eigen::Index v = 0; v < spiky.vertices.rows(); ++v) spiky.vertices.row(v) *= random(0.6, 1.4);
+  Source source(spiky, 400);
+  const NestedResult level = expect_level(source);
+  EXPECT_TRUE(level.candidate.start.starts_with("wrap")) << level.candidate.start;
+  EXPECT_LT(level.candidate.volume, 1.3 * signed_volume(shapes::scaled(shapes::sphere(4), 1.4)));
+}
+
 TEST(NestedLevel, EveryEnergyAndBothPaths) {
   for (const EnergyPtr& inflate : {start_energy(), step_energy(), volume_energy()}) {
     for (const EnergyPtr& final : {start_energy(), step_energy(), volume_energy()}) {
