@@ -35,4 +35,20 @@ std::vector<TriangleMesh> local_coarse_meshes(const BakeOptions& options, const 
   return local;
 }
 
+Decimator checked_decimator(const Decimator& decimator, const std::string& name) {
+  if (!decimator) return {};
+  return [=](const TriangleMesh& finer, const TriangleMesh& undeformed, std::int64_t faces) {
+    TriangleMesh mesh = decimator(finer, undeformed, faces);
+    const std::string what = "the decimator" + (name.empty() ? "" : " '" + name + "'") + ": ";
+    if (mesh.triangles.rows() > faces) {
+      throw Error(what + "made " + std::to_string(mesh.triangles.rows()) + " triangles of at most " +
+                  std::to_string(faces));
+    }
+    makers::round_vertices(mesh);
+    const CertifyResult proof = certify_alone(mesh);
+    if (!proof.holds) throw Error(what + without_cage(proof.reason));
+    return mesh;
+  };
+}
+
 }  // namespace encage

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cagegen/bake/coarse_meshes.h"
 #include "cagegen/bake/run_reporting.h"
 #include "cagegen/collapse/level.h"
 #include "cagegen/nested/nested_level.h"
@@ -149,7 +150,7 @@ void LevelMaker::make_by_flow(const makers::Obstacle& obstacle, const MadeLevel*
   request.manifold = finer != nullptr || source_.manifold;
   if (finer != nullptr && finer->undeformed.triangles.rows() > 0) request.undeformed = &finer->undeformed;
   request.coarse = target.coarse;
-  request.decimator = options_.decimator;
+  request.decimator = checked_decimator(options_.decimator, options_.decimator_name);
   request.decimator_name = options_.decimator_name;
   request.origin = source_.origin;
   request.faces = target.faces;

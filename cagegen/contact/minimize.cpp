@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/contact/minimize.h"
 
+#include <encage/error.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace encage::makers {
@@ -33,6 +36,17 @@ double edge_length(const ContactSolver& solver) {
 
 }  // namespace
 
+Vertices checked_descent(const CageEnergy& energy, const EnergyState& state) {
+  Vertices direction = energy.descent(state);
+  const std::string what = "energy '" + energy.name() + "': ";
+  if (direction.rows() != state.cage.rows()) {
+    throw Error(what + "a descent of " + std::to_string(direction.rows()) + " rows for " +
+                std::to_string(state.cage.rows()) + " vertices");
+  }
+  if (!direction.allFinite()) throw Error(what + "the descent is not finite");
+  return direction;
+}
+
 void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeRequest& request) {
   const std::int64_t last_work = solver.work() + request.face_tests;
   Vertices cage = to_matrix(solver.places());
@@ -48,7 +62,7 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
   for (int iteration = 0; iteration < request.iterations && solver.work() < last_work; ++iteration) {
     solver.options().check();
     if (request.progress) request.progress(static_cast<double>(iteration) / request.iterations);
-    const Vertices direction = request.energy->descent(state(cage));
+    const Vertices direction = checked_descent(*request.energy, state(cage));
     const double longest = direction.rowwise().norm().maxCoeff();
     if (!(longest > 0)) break;
     // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does

@@ -94,9 +94,20 @@ Vertices CageEnergy::descent(const EnergyState& state) const {
   return result;
 }
 
-EnergyPtr start_energy() { return std::make_shared<StartEnergy>(); }
-EnergyPtr step_energy() { return std::make_shared<StepEnergy>(); }
-EnergyPtr volume_energy() { return std::make_shared<VolumeEnergy>(); }
+EnergyPtr start_energy() {
+  static const EnergyPtr energy = std::make_shared<StartEnergy>();
+  return energy;
+}
+
+EnergyPtr step_energy() {
+  static const EnergyPtr energy = std::make_shared<StepEnergy>();
+  return energy;
+}
+
+EnergyPtr volume_energy() {
+  static const EnergyPtr energy = std::make_shared<VolumeEnergy>();
+  return energy;
+}
 
 EnergyPtr find_energy(std::string_view name) {
   std::string known;

@@ -21,6 +21,7 @@ std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
   if (!mesh) return std::nullopt;
   *mesh = outermost_components(*mesh);
   if (mesh->triangles.rows() < 4) return std::nullopt;
+  round_vertices(*mesh);
   return mesh;
 }
 

@@ -248,7 +248,7 @@ class NestedLevel {
   void finish(NestedResult& result) const {
     const auto start = Clock::now();
     TriangleMesh& cage = result.candidate.cage;
-    const bool volume = request_.final->name() == "volume";
+    const bool volume = request_.final == volume_energy();
     const int passes = request_.faces <= 1000 ? 2 : 0;
     for (int pass = 0; pass <= passes; ++pass) {
       if (pass > 0) {

@@ -84,7 +84,7 @@ class Reinflation {
   bool advance(double next, bool slow) {
     after_.move(place(next));
     const Vertices cage = solver_.mesh().vertices;
-    const Vertices direction = request_.energy->descent(state(cage));
+    const Vertices direction = checked_descent(*request_.energy, state(cage));
     ContactSolver::Places wanted = solver_.places();
     if (const auto length = request_.energy->first_step()) {
       for (std::size_t v = 0; v < wanted.size(); ++v) {
@@ -109,7 +109,7 @@ class Reinflation {
   /// Energies that do not lead to where the cage is by themselves get a few steps with F at rest.
   void descend() {
     const Vertices cage = solver_.mesh().vertices;
-    if (request_.energy->descent(state(cage)).cwiseAbs().maxCoeff() == 0) return;
+    if (checked_descent(*request_.energy, state(cage)).cwiseAbs().maxCoeff() == 0) return;
     MinimizeRequest request;
     request.fine = request_.fine;
     request.rest = request_.rest;

@@ -46,7 +46,8 @@ using EnergyPtr = std::shared_ptr<const CageEnergy>;
 EnergyPtr start_energy();
 /// The same from where the time step began: eq. 12. Name "step".
 EnergyPtr step_energy();
-/// Enclosed volume: eq. 13. Name "volume".
+/// Enclosed volume: eq. 13. Name "volume". Always the same object; as final energy it is followed by the tightening
+/// of single vertices.
 EnergyPtr volume_energy();
 
 /// By name; throws Error, which lists the names, for another one.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -186,6 +187,54 @@ TEST(BakeFlow, ADecimatorOfTheUsersSeesBothMeshes) {
   EXPECT_EQ(cages.levels[0].mesh.triangles, sphere(2).triangles);
   EXPECT_EQ(cages.levels[1].mesh.triangles, sphere(1).triangles);
   EXPECT_EQ(nlohmann::json::parse(cages.options).at("decimator"), "octahedral");
+}
+
+TEST(BakeFlow, WhatADecimatorOfTheUsersMustNotMake) {
+  const auto refused = [](const TriangleMesh& made) {
+    BakeOptions options = flow_with_faces({100});
+    options.decimator_name = "mine";
+    options.decimator = [made](const TriangleMesh&, const TriangleMesh&, std::int64_t) { return made; };
+    return message(sphere(3), options);
+  };
+  EXPECT_EQ(refused(sphere(2)), "level 1 (100 faces): the decimator 'mine': made 128 triangles of at most 100");
+  TriangleMesh open = sphere(1);
+  open.triangles.conservativeResize(open.triangles.rows() - 1, 3);
+  EXPECT_NE(refused(open).find("the decimator 'mine': "), std::string::npos) << refused(open);
+  TriangleMesh wild = sphere(1);
+  wild.triangles(0, 0) = 1000;
+  EXPECT_NE(refused(wild).find("the decimator 'mine': "), std::string::npos) << refused(wild);
+  TriangleMesh nowhere = sphere(1);
+  nowhere.vertices(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(refused(nowhere).find("the decimator 'mine': "), std::string::npos) << refused(nowhere);
+  const TriangleMesh crossing = joined(sphere(1), moved(sphere(1), {0.5, 0, 0}));
+  EXPECT_NE(refused(crossing).find("the decimator 'mine': "), std::string::npos) << refused(crossing);
+  EXPECT_NE(refused(TriangleMesh()).find("level 1 (100 faces): "), std::string::npos);
+}
+
+/// A descent that is not one.
+struct BrokenEnergy : CageEnergy {
+  Vertices wrong;
+  std::string name() const override { return "broken"; }
+  double value(const EnergyState&) const override { return 0; }
+  Vertices gradient(const EnergyState&) const override { return wrong; }
+  Vertices descent(const EnergyState&) const override { return wrong; }
+};
+
+TEST(BakeFlow, EnergiesThatGiveNoDescentAreNamed) {
+  const auto energy = std::make_shared<BrokenEnergy>();
+  BakeOptions options = flow_with_faces({100});
+  options.energy_inflate = energy;
+  energy->wrong = Vertices::Zero(3, 3);
+  EXPECT_NE(message(sphere(3), options).find("level 1 (100 faces): energy 'broken': a descent of 3 rows for "),
+            std::string::npos);
+  options.energy_inflate = nullptr;
+  struct NotFinite : BrokenEnergy {
+    Vertices descent(const EnergyState& state) const override {
+      return Vertices::Constant(state.cage.rows(), 3, std::numeric_limits<double>::infinity());
+    }
+  };
+  options.energy_final = std::make_shared<NotFinite>();
+  EXPECT_EQ(message(sphere(3), options), "level 1 (100 faces): energy 'broken': the descent is not finite");
 }
 
 TEST(BakeFlow, CoarseMeshesOfTheUsers) {
