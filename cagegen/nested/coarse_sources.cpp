@@ -72,7 +72,7 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedR
                          if (!surface || surface->triangles.rows() <= request.faces) return usable(surface);
                          return usable(decimate(*surface, request.faces, Decimation::regular, gap, check));
                        },
-                       static_cast<int>(sources.size())});
+                       static_cast<int>(sources.size()), parameter < 10});
   }
   return sources;
 }

@@ -17,6 +17,7 @@ struct CoarseSource {
   std::string name;                                   ///< "regular", "wrap/20", ...
   std::function<std::optional<TriangleMesh>()> make;  ///< closed, embedded, float32; no value: it cannot be had
   int group = 0;                                      ///< those of a group compete in the flow; groups come in order
+  bool last_resort = false;                           ///< loose: only if all before have failed
 };
 
 /// What to try for a level, in this order. What is made lives as long as `obstacle` and `request`.

@@ -65,7 +65,7 @@ class NestedLevel {
       share_ = compete ? 1.0 / static_cast<double>(sources.size()) : 1;
       do {
         flow_in_group(sources, next, flowed);
-      } while (compete && next < sources.size());
+      } while (compete && next < sources.size() && !sources[next].last_resort);
       const bool doubtful = !compete && next < sources.size() && moved_far(flowed);
       if (doubtful) {
         flow_in_group(sources, next, flowed);
