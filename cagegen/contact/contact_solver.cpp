@@ -111,8 +111,8 @@ std::optional<ContactSolver::Places> ContactSolver::follow(const Obstacle& befor
                                                            const Places& wanted, double reach) {
   const Step step{before, after, true, reach};
   Places y;
-  if (resolve(step, wanted, y)) return y;
   jammed_.clear();
+  if (resolve(step, wanted, y)) return y;
   for (const Pair& pair : hits_) {
     jammed_.push_back(pair.face);
     if (pair.other < 0) jammed_.push_back(-1 - pair.other);

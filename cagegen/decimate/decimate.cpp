@@ -51,13 +51,6 @@ TriangleMesh decimate_or_throw(const TriangleMesh& mesh, std::int64_t faces, Dec
 
 }  // namespace
 
-std::optional<TriangleMesh> collapse_to(const TriangleMesh& mesh, std::int64_t faces, Decimation kind,
-                                        const std::function<void()>& check) {
-  TriangleMesh coarse = collapse_edges(mesh, faces, kind, std::nullopt, check);
-  if (coarse.triangles.rows() > faces) return std::nullopt;
-  return coarse;
-}
-
 std::optional<TriangleMesh> decimate(const TriangleMesh& mesh, std::int64_t faces, Decimation kind, double gap,
                                      const std::function<void()>& check) {
   return attempt(mesh, faces, faces, kind, gap, check).mesh;

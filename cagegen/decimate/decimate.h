@@ -3,7 +3,6 @@
 
 #include <encage/mesh.h>
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -17,16 +16,6 @@
 namespace encage::makers {
 
 enum class Decimation { regular, adaptive };
-
-/// CGAL's edge collapse of a closed oriented manifold to at most `faces` triangles. The result is closed and
-/// manifold; it may intersect itself. No value if edges that may be collapsed run out before. `check` is called
-/// often and may throw to cancel.
-std::optional<TriangleMesh> collapse_to(const TriangleMesh& mesh, std::int64_t faces, Decimation kind,
-                                        const std::function<void()>& check);
-
-/// Two triangles that come nearer to each other than `gap` without sharing a vertex, or fold onto each other
-/// where they share one; no value if there are none.
-std::optional<std::array<std::int32_t, 2>> find_self_contact(const TriangleMesh& mesh, double gap);
 
 /// Moves vertices around self-contacts, and no others, until there is none: smoothing, and pulling strands apart.
 /// Vertices are rounded to float32. No value if some remain.

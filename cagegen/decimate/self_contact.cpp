@@ -56,43 +56,20 @@ BoxFilter SurfaceTree::ray_filter(const Point& start, const Point& direction) co
   return filter;
 }
 
-namespace {
-
-/// Calls visit(s, t) for the pairs in contact, until it returns false.
-template <class Visit>
-void visit_contacts(const TriangleMesh& mesh, double gap, const Visit& visit) {
+std::vector<TrianglePair> self_contacts(const TriangleMesh& mesh, double gap) {
   const SurfaceTree tree(mesh);
-  bool going = true;
-  for (std::int32_t s = 0; s < mesh.triangles.rows() && going; ++s) {
+  std::vector<TrianglePair> found;
+  for (std::int32_t s = 0; s < mesh.triangles.rows(); ++s) {
     const Prism prism(corners(mesh, s));
     if (!prism.valid) {
-      going = visit(s, s);
+      found.push_back({s, s});
       continue;
     }
     tree.near(prism, gap, [&](std::int32_t t) {
-      if (t <= s || !going) return;
-      if (!separated(indices(mesh, s), prism.corner, indices(mesh, t), corners(mesh, t), gap)) going = visit(s, t);
+      if (t <= s) return;
+      if (!separated(indices(mesh, s), prism.corner, indices(mesh, t), corners(mesh, t), gap)) found.push_back({s, t});
     });
   }
-}
-
-}  // namespace
-
-std::vector<TrianglePair> self_contacts(const TriangleMesh& mesh, double gap) {
-  std::vector<TrianglePair> found;
-  visit_contacts(mesh, gap, [&](std::int32_t s, std::int32_t t) {
-    found.push_back({s, t});
-    return true;
-  });
-  return found;
-}
-
-std::optional<std::array<std::int32_t, 2>> find_self_contact(const TriangleMesh& mesh, double gap) {
-  std::optional<TrianglePair> found;
-  visit_contacts(mesh, gap, [&](std::int32_t s, std::int32_t t) {
-    found = {s, t};
-    return false;
-  });
   return found;
 }
 

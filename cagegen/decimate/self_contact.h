@@ -53,8 +53,8 @@ class SurfaceTree {
   TriangleTree tree_;
 };
 
-/// All pairs of triangles in contact, as find_self_contact() defines it, in a fixed order. A degenerate triangle
-/// is in contact with itself.
+/// All pairs of triangles in contact, in a fixed order: they come nearer to each other than `gap` without sharing a
+/// vertex, or fold onto each other where they share one. A degenerate triangle is in contact with itself.
 std::vector<TrianglePair> self_contacts(const TriangleMesh& mesh, double gap);
 
 }  // namespace encage::makers

@@ -227,6 +227,7 @@ class NestedLevel {
       fail(result.candidate.start, reached.failure);
       return false;
     }
+    if (reached.slow_steps > 0) note(result, "followed by the slow solver", reached.slow_steps);
     if (reached.reliefs > 0) note(result, "pinched, and relieved", reached.reliefs);
     minimize_final(solver, result.undeformed);
     result.candidate.cage = solver.mesh();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/decimate/decimate.h"
+#include "cagegen/decimate/self_contact.h"
 #include "tests/cagegen/decimate/shapes.h"
 
 namespace encage::makers {
@@ -9,12 +10,12 @@ constexpr double gap = 1e-4;
 
 /// Untangled, with the same triangles, and moved by less than `most` on average.
 void expect_untangled(const TriangleMesh& mesh, double most) {
-  ASSERT_TRUE(find_self_contact(mesh, gap)) << "nothing to do";
+  ASSERT_FALSE(self_contacts(mesh, gap).empty()) << "nothing to do";
   const auto clean = untangle(mesh, gap);
   ASSERT_TRUE(clean);
   EXPECT_EQ(clean->triangles, mesh.triangles);
   EXPECT_EQ(clean->vertices, shapes::rounded(*clean).vertices);
-  EXPECT_FALSE(find_self_contact(*clean, gap));
+  EXPECT_TRUE(self_contacts(*clean, gap).empty());
   EXPECT_TRUE(shapes::embedded(*clean));
   EXPECT_LT((clean->vertices - mesh.vertices).rowwise().norm().mean(), most);
   EXPECT_EQ(untangle(mesh, gap)->vertices, clean->vertices) << "the same bytes each time";
