@@ -17,110 +17,187 @@ namespace encage::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, WideNode::width>;     // boxes of a node
-using Axes = hn::CappedTag<float, BoxGate::axis_lanes>;  // axes of a gate
-using Coordinates = hn::CappedTag<float, 4>;             // x, y, z
+using Lanes = hn::CappedTag<float, WideNode::width>;      // boxes of a node
+using Axes = hn::CappedTag<float, BoxGate::Side::lanes>;  // axes of a gate
+using Vec = hn::Vec<Lanes>;
 
-/// Boxes of a node as numbers.
-struct Places {
-  alignas(64) float lower[3][WideNode::width];
-  alignas(64) float upper[3][WideNode::width];
-
-  HWY_INLINE explicit Places(const WideNode& node) {
-    const Lanes d;
-    const hn::RebindToSigned<Lanes> di;
-    const hn::Rebind<std::int16_t, Lanes> d16;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (std::size_t k = 0; k < WideNode::width; k += hn::Lanes(d)) {
-        hn::Store(hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, node.lower[axis] + k))), d, lower[axis] + k);
-        hn::Store(hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, node.upper[axis] + k))), d, upper[axis] + k);
-      }
-    }
-  }
-  Places() = default;
-};
-
-/// A box of a tree, in places of its grid, with what is below it.
+/// A box of a tree and the slab in it, in places of its grid.
 struct Box {
-  std::array<float, 3> centre, half;
-  float size;  ///< only to compare with the other tree's
-  std::uint32_t link;
+  float centre[3], half[3];
+  float normal[3];
+  float height, thickness;  ///< of the slab's middle, half of it
 
-  Box(const WideTreeView& tree, const Places& places, std::uint32_t below, int lane) : size(0), link(below) {
+  HWY_INLINE Box(const WideNode& node, std::uint32_t lane) {
     for (int axis = 0; axis < 3; ++axis) {
-      centre[axis] = 0.5F * (places.lower[axis][lane] + places.upper[axis][lane]);
-      half[axis] = 0.5F * (places.upper[axis][lane] - places.lower[axis][lane]);
-      const float extent = half[axis] * tree.grid.step[axis];
-      size += extent * extent;
+      const auto lower = static_cast<float>(node.lower[axis][lane]), upper = static_cast<float>(node.upper[axis][lane]);
+      centre[axis] = 0.5F * (lower + upper);
+      half[axis] = 0.5F * (upper - lower);
+      normal[axis] = static_cast<float>(node.normal[axis][lane]);
     }
+    constexpr float half_unit = 0.5F * WideNode::slab_unit;
+    const auto low = static_cast<float>(node.slab_lower[lane]), high = static_cast<float>(node.slab_upper[lane]);
+    height = half_unit * (low + high);
+    thickness = half_unit * (high - low);
   }
-  Box() = default;
-  int count() const { return WideNode::count_of(link); }
-  std::int32_t child() const { return WideNode::child_of(link); }
 };
 
-/// Bounds of a moving box over the interval, widened by the gap: a resting box beyond them is apart.
-template <std::size_t kCount>
-struct Bounds {
-  alignas(64) std::array<float, kCount> low;
-  alignas(64) std::array<float, kCount> high;
+/// What a moving box covers of the axes during the interval, widened by the gap: a resting box beyond is apart.
+struct Swept {
+  alignas(32) float low[BoxGate::Side::lanes];
+  alignas(32) float high[BoxGate::Side::lanes];
 };
 
-/// Projections of a box that moves linearly: `direction` and `size` by [end][coordinate], `offset` by [end].
-template <int kEnds, class Tag, class Directions, class Offsets, class Gap, std::size_t kCount>
-HWY_INLINE void sweep(Tag d, const Directions& direction, const Directions& size, const Offsets& offset, const Gap& gap,
-                      const Box& box, Bounds<kCount>& bounds) {
-  for (std::size_t k = 0; k < kCount; k += hn::Lanes(d)) {
+template <int kEnds>
+HWY_INLINE void sweep(const BoxGate::Side& side, const Box& box, Swept& swept) {
+  const Axes d;
+  for (std::size_t k = 0; k < BoxGate::Side::lanes; k += hn::Lanes(d)) {
     auto low = hn::Zero(d), high = low;
     for (int end = 0; end < kEnds; ++end) {
-      auto centre = hn::LoadU(d, offset[end].data() + k);
-      auto reach = hn::LoadU(d, gap.data() + k);
+      auto centre = hn::LoadU(d, side.moving_offset[end].data() + k);
+      auto reach = hn::LoadU(d, side.gap.data() + k);
       for (int i = 0; i < 3; ++i) {
-        centre = hn::Add(centre, hn::Mul(hn::LoadU(d, direction[end][i].data() + k), hn::Set(d, box.centre[i])));
-        reach = hn::Add(reach, hn::Mul(hn::LoadU(d, size[end][i].data() + k), hn::Set(d, box.half[i])));
+        centre = hn::Add(centre, hn::Mul(hn::LoadU(d, side.moving[end][i].data() + k), hn::Set(d, box.centre[i])));
+        reach = hn::Add(reach, hn::Mul(hn::LoadU(d, side.moving_size[end][i].data() + k), hn::Set(d, box.half[i])));
       }
       low = end == 0 ? hn::Sub(centre, reach) : hn::Min(low, hn::Sub(centre, reach));
       high = end == 0 ? hn::Add(centre, reach) : hn::Max(high, hn::Add(centre, reach));
     }
-    hn::Store(low, d, bounds.low.data() + k);
-    hn::Store(high, d, bounds.high.data() + k);
+    hn::StoreU(low, d, swept.low + k);
+    hn::StoreU(high, d, swept.high + k);
   }
 }
 
-/// Bits of the lanes that are not apart along a coordinate.
-HWY_INLINE std::uint32_t lanes_within(const Places& places, const Bounds<4>& bounds) {
+/// The same along the normal of the moving box's slab.
+struct SweptSlab {
+  float half_normal[3];  ///< in the resting frame, halved
+  float low, high;
+};
+
+template <int kEnds>
+HWY_INLINE SweptSlab sweep_slab(const BoxGate::Side& side, const Box& box) {
+  SweptSlab swept;
+  std::array<float, 3> normal;
+  const auto& [u, v, w] = side.map[0];
+  for (int i = 0; i < 3; ++i) {
+    normal[i] = side.normal_scale * (u[i] * box.normal[0] + v[i] * box.normal[1] + w[i] * box.normal[2]);
+    swept.half_normal[i] = 0.5F * normal[i];
+  }
+  for (int end = 0; end < kEnds; ++end) {
+    float centre = box.height, reach = box.thickness + side.moving_slab_gap;
+    for (int i = 0; i < 3; ++i) {
+      centre += normal[i] * side.offset[end][i];
+      if (kEnds == 1) continue;  // both are nearly rigid
+      // Seen from the box, the normal is its slab's own but for a remainder, along which the box counts.
+      const BoxGate::Column& axis = side.map[end][i];
+      const float rest = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2] - box.normal[i];
+      centre += rest * box.centre[i];
+      reach += std::abs(rest) * box.half[i];
+    }
+    swept.low = end == 0 ? centre - reach : std::min(swept.low, centre - reach);
+    swept.high = end == 0 ? centre + reach : std::max(swept.high, centre + reach);
+  }
+  return swept;
+}
+
+/// Of a normal, the inverse of its squared length, or nearly: what it is used for works with any number.
+constexpr float normal_weight = 1.0F / (WideNode::normal_size * WideNode::normal_size);
+
+/// Boxes of a node, as many as there are lanes.
+struct Boxes {
+  Vec sum[3], extent[3];  ///< of both ends
+  Vec normal[3];
+  Vec slab_lower, slab_upper;
+
+  static HWY_INLINE Vec widened(const std::int16_t* places) {
+    const Lanes d;
+    return hn::ConvertTo(
+        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int16_t, Lanes>(), places)));
+  }
+  static HWY_INLINE Vec widened(const std::int8_t* components) {
+    const Lanes d;
+    return hn::ConvertTo(
+        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int8_t, Lanes>(), components)));
+  }
+};
+
+HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
+  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
+}
+
+HWY_INLINE Vec dot(const Vec* a, const float* b) {
   const Lanes d;
+  return hn::Add(hn::Add(hn::Mul(a[0], hn::Set(d, b[0])), hn::Mul(a[1], hn::Set(d, b[1]))),
+                 hn::Mul(a[2], hn::Set(d, b[2])));
+}
+
+/// Whether intervals [centre - reach, centre + reach] lie beyond [low, high].
+HWY_INLINE hn::Mask<Lanes> beyond(Vec centre, Vec reach, Vec low, Vec high) {
+  return hn::Or(hn::Gt(hn::Sub(centre, reach), high), hn::Lt(hn::Add(centre, reach), low));
+}
+
+/// Boxes that end on one side of the moving slab, by what their own slabs leave of them.
+HWY_INLINE hn::Mask<Lanes> beyond_slab(const Boxes& boxes, const SweptSlab& slab) {
+  const Lanes d;
+  // The part of the direction that is the slab's normal, and the remainder, along which the box counts.
+  const auto part = hn::Mul(dot(boxes.normal, slab.half_normal), hn::Set(d, normal_weight));
+  const auto scaled = hn::Mul(part, hn::Set(d, static_cast<float>(WideNode::slab_unit)));
+  auto centre = hn::Mul(scaled, hn::Add(boxes.slab_lower, boxes.slab_upper));
+  auto reach = hn::Mul(hn::Abs(scaled), hn::Sub(boxes.slab_upper, boxes.slab_lower));
+  for (int i = 0; i < 3; ++i) {
+    const auto rest = hn::Sub(hn::Set(d, slab.half_normal[i]), hn::Mul(part, boxes.normal[i]));
+    centre = hn::Add(centre, hn::Mul(rest, boxes.sum[i]));
+    reach = hn::Add(reach, hn::Mul(hn::Abs(rest), boxes.extent[i]));
+  }
+  return beyond(centre, reach, hn::Set(d, slab.low), hn::Set(d, slab.high));
+}
+
+/// How large boxes are, only to compare: a slab's thickness counts more than what it is cut from.
+using Sizes = std::array<float, WideNode::width>;
+
+HWY_INLINE void store_sizes(const Boxes& boxes, float* sizes) {
+  const Lanes d;
+  const auto extent = hn::Add(hn::Add(boxes.extent[0], boxes.extent[1]), boxes.extent[2]);
+  const auto thickness = hn::Sub(boxes.slab_upper, boxes.slab_lower);
+  hn::StoreU(hn::Add(hn::Mul(thickness, hn::Set(d, 8.0F)), extent), d, sizes);
+}
+
+/// Bits of the lanes that the gate does not prove apart from the moving box.
+template <int kEnds>
+HWY_INLINE std::uint32_t lanes_near(const BoxGate::Side& side, const WideNode& node, const Box& moving, Sizes& sizes) {
+  const Lanes d;
+  Swept swept;
+  sweep<kEnds>(side, moving, swept);
+  const SweptSlab slab = sweep_slab<kEnds>(side, moving);
   std::uint32_t result = 0;
   for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
+    Boxes boxes;
     auto apart = hn::FirstN(d, 0);
     for (int axis = 0; axis < 3; ++axis) {
-      apart = hn::Or(apart, hn::Gt(hn::Load(d, places.lower[axis] + first), hn::Set(d, bounds.high[axis])));
-      apart = hn::Or(apart, hn::Lt(hn::Load(d, places.upper[axis] + first), hn::Set(d, bounds.low[axis])));
+      const auto lower = Boxes::widened(node.lower[axis] + first), upper = Boxes::widened(node.upper[axis] + first);
+      apart = hn::Or(apart,
+                     hn::Or(hn::Gt(lower, hn::Set(d, swept.high[axis])), hn::Lt(upper, hn::Set(d, swept.low[axis]))));
+      boxes.sum[axis] = hn::Add(lower, upper);
+      boxes.extent[axis] = hn::Sub(upper, lower);
     }
+    if (hn::AllTrue(d, apart)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::array<float, 3>& n = side.oblique[axis];
+      auto reach = hn::Mul(hn::Set(d, std::abs(n[0])), boxes.extent[0]);
+      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[1])), boxes.extent[1]));
+      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[2])), boxes.extent[2]));
+      apart = hn::Or(apart, beyond(dot(boxes.sum, n.data()), reach, hn::Set(d, swept.low[4 + axis]),
+                                   hn::Set(d, swept.high[4 + axis])));
+    }
+    for (int axis = 0; axis < 3; ++axis) boxes.normal[axis] = Boxes::widened(node.normal[axis] + first);
+    boxes.slab_lower = Boxes::widened(node.slab_lower + first);
+    boxes.slab_upper = Boxes::widened(node.slab_upper + first);
+    apart = hn::Or(apart, beyond_slab(boxes, slab));
+    store_sizes(boxes, sizes.data() + first);
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::Not(apart), bits);
     result |= static_cast<std::uint32_t>(bits[0]) << first;
   }
   return result;
-}
-
-/// Whether an axis of the gate shows a resting box beyond the bounds.
-HWY_INLINE bool separated_by_axis(const BoxGate::Side& side, const Box& box,
-                                  const Bounds<BoxGate::axis_lanes>& bounds) {
-  const Axes d;
-  bool any = false;
-  for (std::size_t k = 0; k < BoxGate::axis_lanes; k += hn::Lanes(d)) {
-    auto centre = hn::Mul(hn::LoadU(d, &side.axis[0][k]), hn::Set(d, box.centre[0]));
-    auto reach = hn::Mul(hn::LoadU(d, &side.axis_size[0][k]), hn::Set(d, box.half[0]));
-    for (int i = 1; i < 3; ++i) {
-      centre = hn::Add(centre, hn::Mul(hn::LoadU(d, &side.axis[i][k]), hn::Set(d, box.centre[i])));
-      reach = hn::Add(reach, hn::Mul(hn::LoadU(d, &side.axis_size[i][k]), hn::Set(d, box.half[i])));
-    }
-    const auto apart = hn::Or(hn::Gt(hn::Sub(centre, reach), hn::Load(d, &bounds.high[k])),
-                              hn::Lt(hn::Add(centre, reach), hn::Load(d, &bounds.low[k])));
-    any = any || !hn::AllFalse(d, apart);
-  }
-  return any;
 }
 
 /// Depth first, but several pairs at a time where there are several: their tests do not wait for each other.
@@ -131,110 +208,72 @@ class Traversal {
 
   bool run() {
     const WideNode& root = b_.nodes[0];
-    const Places places(root);
-    for (int lane = 0; lane < WideNode::width; ++lane) {
-      if (root.count(lane) == WideNode::unused) continue;
-      tasks_[0].set(Box(b_, places, root.link[lane], lane), a_.nodes[0], true);
-      open(1);
+    for (std::uint32_t lane = 0; lane < WideNode::width; ++lane) {
+      if (root.count(static_cast<int>(lane)) != WideNode::unused)
+        open(a_.nodes[0], {root.link[lane], 0, lane, std::numeric_limits<float>::infinity()}, true);
     }
     while (size_ > 0) {
-      const int taken = size_ > crowded ? 1 : std::min(size_, batch);
-      int opened = 0;
-      for (int i = 0; i < taken; ++i) {
-        const Pair& pair = stack_[--size_];
-        const int count_a = pair.a.count(), count_b = pair.b.count();
-        if (count_a > 0 && count_b > 0) {
-          if (!visit_(context_, pair.a.child(), count_a, pair.b.child(), count_b)) return false;
-          continue;
-        }
-        const bool open_a = count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size);
-        tasks_[opened++].set(open_a ? pair.b : pair.a, open_a ? a_.nodes[pair.a.child()] : b_.nodes[pair.b.child()],
-                             open_a);
+      const Pair pair = stack_[--size_];
+      const int count_a = WideNode::count_of(pair.a.link), count_b = WideNode::count_of(pair.b.link);
+      if (count_a > 0 && count_b > 0) {
+        if (!visit_(context_, pair.a.child(), count_a, pair.b.child(), count_b)) return false;
+        continue;
       }
-      open(opened);
+      const bool open_a = count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size);
+      open(open_a ? a_.nodes[pair.a.child()] : b_.nodes[pair.b.child()], open_a ? pair.b : pair.a, open_a);
     }
     return true;
   }
 
  private:
+  /// A box, by the node that holds it.
+  struct Ref {
+    std::uint32_t link;
+    std::uint32_t node, lane;
+    float size;
+    std::int32_t child() const { return WideNode::child_of(link); }
+  };
   struct Pair {
-    Box a, b;
+    Ref a, b;
   };
-  /// A node whose boxes are tested, at rest, against a moving box of the other tree.
-  struct Task {
-    Places places;
-    Box moving;
-    const WideNode* node;
-    bool opens_a;
+  static constexpr int stack_size = WideNode::width * (2 * WideTree::max_depth + 8);
 
-    HWY_INLINE void set(const Box& box, const WideNode& opened, bool of_a) {
-      places = Places(opened);
-      moving = box;
-      node = &opened;
-      opens_a = of_a;
+  /// Tests the boxes of a node, at rest, against a moving box of the other tree; what is not proven apart goes on the
+  /// stack, the first lane on top.
+  HWY_INLINE void open(const WideNode& node, const Ref& other, bool opens_a) {
+    const BoxGate::Side& side = opens_a ? gate_.a : gate_.b;
+    const WideTreeView& tree = opens_a ? a_ : b_;
+    const Box moving((opens_a ? b_ : a_).nodes[other.node], other.lane);
+    std::uint32_t near = (1U << WideNode::width) - 1;
+    Sizes sizes{};
+    if (side.works) {
+      near = gate_.ends == 1 ? lanes_near<1>(side, node, moving, sizes) : lanes_near<2>(side, node, moving, sizes);
     }
-  };
-  static constexpr int batch = 8;
-  static constexpr int crowded = 256;  // from here on one at a time, which bounds the stack
-  static constexpr int stack_size = crowded + WideNode::width * (batch + 2 * WideTree::max_depth + 8);
-
-  /// Puts on the stack what the first `count` tasks do not prove apart.
-  void open(int count) {
-    std::array<std::uint32_t, batch> near{};
-    if (gate_.ends == 1) {
-      find_near<1>(count, near);
-    } else {
-      find_near<2>(count, near);
-    }
-    for (int i = count - 1; i >= 0; --i) {
-      const Task& task = tasks_[i];
-      // The first lane on top.
-      for (std::uint32_t left = near[i]; left != 0;) {
-        const int lane = 31 - __builtin_clz(left);
-        left &= ~(1U << lane);
-        const WideTreeView& tree = task.opens_a ? a_ : b_;
-        const Box box(tree, task.places, task.node->link[lane], lane);
-        prefetch(tree, box);
-        stack_[size_++] = task.opens_a ? Pair{box, task.moving} : Pair{task.moving, box};
-      }
+    const auto index = static_cast<std::uint32_t>(&node - tree.nodes.data());
+    const float step = tree.grid.step;
+    while (near != 0) {
+      const int lane = 31 - __builtin_clz(near);
+      near &= ~(1U << lane);
+      if (node.count(lane) == WideNode::unused) continue;
+      prefetch(tree, node.link[lane]);
+      const Ref box{node.link[lane], index, static_cast<std::uint32_t>(lane), sizes[lane] * step};
+      Pair& pair = stack_[size_++];
+      (opens_a ? pair.a : pair.b) = box;
+      (opens_a ? pair.b : pair.a) = other;
     }
   }
 
   /// What is below a box will be wanted soon.
-  static void prefetch(const WideTreeView& tree, const Box& box) {
-    if (box.count() > 0) {
-      hwy::Prefetch(&tree.leaves[box.child()]);
-    } else {
-      hwy::Prefetch(&tree.nodes[box.child()]);
-      hwy::Prefetch(tree.nodes[box.child()].link);
+  static void prefetch(const WideTreeView& tree, std::uint32_t link) {
+    const std::int32_t child = WideNode::child_of(link);
+    if (WideNode::count_of(link) > 0) {
+      hwy::Prefetch(&tree.leaves[child]);
+      return;
     }
-  }
-
-  /// Bits of the lanes of the tasks' nodes that the gate does not prove apart.
-  template <int kEnds>
-  void find_near(int count, std::array<std::uint32_t, batch>& near) const {
-    std::array<std::uint32_t, batch> within;
-    for (int i = 0; i < count; ++i) {
-      const Task& task = tasks_[i];
-      const BoxGate::Side& side = task.opens_a ? gate_.a : gate_.b;
-      Bounds<4> swept;
-      sweep<kEnds>(Coordinates(), side.map, side.magnitude, side.offset, side.place_gap, task.moving, swept);
-      within[i] = side.works ? lanes_within(task.places, swept) : (1U << WideNode::width) - 1;
-    }
-    for (int i = 0; i < count; ++i) {
-      if (within[i] == 0) continue;
-      const Task& task = tasks_[i];
-      const BoxGate::Side& side = task.opens_a ? gate_.a : gate_.b;
-      Bounds<BoxGate::axis_lanes> projected;
-      sweep<kEnds>(Axes(), side.moving, side.moving_size, side.moving_offset, side.gap, task.moving, projected);
-      for (std::uint32_t left = within[i]; left != 0; left &= left - 1) {
-        const int lane = __builtin_ctz(left);
-        const bool used = task.node->count(lane) != WideNode::unused;
-        const Box box(task.opens_a ? a_ : b_, task.places, task.node->link[lane], lane);
-        const bool apart = side.works && separated_by_axis(side, box, projected);
-        near[i] |= static_cast<std::uint32_t>(used && !apart) << lane;
-      }
-    }
+    const WideNode& node = tree.nodes[child];
+    hwy::Prefetch(&node);
+    hwy::Prefetch(node.link);
+    hwy::Prefetch(node.normal);
   }
 
   const WideTreeView& a_;
@@ -243,7 +282,6 @@ class Traversal {
   VisitLeaves visit_;
   void* context_;
   int size_ = 0;
-  std::array<Task, batch> tasks_;
   std::array<Pair, stack_size> stack_;
 };
 
@@ -267,42 +305,30 @@ double norm_bound(const Matrix& m) {
   return std::sqrt(1 + (m.transpose() * m - Matrix::Identity()).norm()) * (1 + 1e-14);
 }
 
+/// Bound of a rounded normal's length.
+constexpr double longest_normal = WideNode::normal_size + 1;
+
 Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
 BoxGate::Column column(const Vector& v) {
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0};
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
-void set_axis(std::array<BoxGate::PerAxis, 3>& axes, std::array<BoxGate::PerAxis, 3>& sizes, int k, const Vector& n) {
+void set_column(std::array<BoxGate::Side::PerAxis, 3>& axes, std::array<BoxGate::Side::PerAxis, 3>& sizes, int k,
+                const Vector& n) {
   for (int i = 0; i < 3; ++i) {
     axes[i][k] = static_cast<float>(n[i]);
     sizes[i][k] = std::abs(axes[i][k]);
   }
 }
 
-/// Directions that may separate boxes of the frame at rest from the other's: its axes, and cross products; no longer
-/// than 1.
-std::array<Vector, BoxGate::axis_count> oblique_axes(const Matrix& other) {
-  std::array<Vector, BoxGate::axis_count> axes;
-  for (int i = 0; i < 3; ++i) {
-    axes[i] = other.col(i);
-    for (int j = 0; j < 3; ++j) axes[3 + 3 * i + j] = axes[i].cross(Vector::Unit(j));
-  }
-  for (Vector& n : axes) {
-    const double squared = n.squaredNorm();
-    // None where nearly parallel edges leave no direction.
-    n *= squared > 1e-12 ? (1 - 1e-9) / std::sqrt(squared) : 0;
-  }
-  return axes;
-}
-
 /// `maps` of the body at rest, `others` of the moving one, to the common frame at both ends of the interval.
 BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& body,
                         const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
   BoxGate::Side side{};
-  // Local coordinates are middle + step * stored place.
-  const Vector step = as_vector(body.grid.step), middle = as_vector(body.grid.middle);
-  const Vector other_step = as_vector(other.grid.step), other_middle = as_vector(other.grid.middle);
+  // Local coordinates are middle + step * place.
+  const double step = body.grid.step, ratio = other.grid.step / step;
+  const Vector middle = as_vector(body.grid.middle), other_middle = as_vector(other.grid.middle);
   std::array<AffineMap, 2> relative;
   double stretch = 1, offset = 0;
   bool finite = true;  // NaN would not survive the maxima
@@ -312,19 +338,19 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
     finite = finite && relative[end].linear.allFinite() && relative[end].offset.allFinite();
     stretch = std::max(stretch, norm_bound(relative[end].linear));
     offset = std::max(offset, relative[end].offset.norm());
-    for (int k = 0; k < 3; ++k) {
-      side.map[end][k] = column((relative[end].linear.col(k) * other_step[k]).cwiseQuotient(step));
-      for (std::size_t i = 0; i < 4; ++i) side.magnitude[end][k][i] = std::abs(side.map[end][k][i]);
-    }
-    side.offset[end] = column((relative[end](other_middle) - middle).cwiseQuotient(step));
   }
-  const auto axes = oblique_axes(relative[0].linear);
-  for (int k = 0; k < BoxGate::axis_count; ++k) {
-    set_axis(side.axis, side.axis_size, k, axes[k].cwiseProduct(step));
-    for (int end = 0; end < ends; ++end) {
-      const Vector seen = relative[end].linear.transpose() * axes[k];
-      set_axis(side.moving[end], side.moving_size[end], k, seen.cwiseProduct(other_step));
-      side.moving_offset[end][k] = static_cast<float>(axes[k].dot(relative[end](other_middle) - middle));
+  // The other's axes as they are at the start; below length 1, whatever the rounding.
+  const Matrix axes = relative[0].linear * ((1 - 1e-6) / stretch);
+  for (int end = 0; end < ends; ++end) {
+    const Vector origin = (relative[end](other_middle) - middle) / step;
+    side.offset[end] = column(origin);
+    for (int k = 0; k < 3; ++k) {
+      side.map[end][k] = column(relative[end].linear.col(k) * ratio);
+      set_column(side.moving[end], side.moving_size[end], k, relative[end].linear.row(k).transpose() * ratio);
+      side.moving_offset[end][k] = static_cast<float>(origin[k]);
+      set_column(side.moving[end], side.moving_size[end], 4 + k,
+                 relative[end].linear.transpose() * axes.col(k) * ratio);
+      side.moving_offset[end][4 + k] = static_cast<float>(axes.col(k).dot(origin));
     }
   }
 
@@ -343,11 +369,17 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   const double size = body.radius + middle.norm() + stretch * (other.radius + other_middle.norm()) + offset;
   const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
   // Sums of places must stay finite as well: infinity has lost what would be subtracted from it.
-  const double least_step = std::min(1.0, step.minCoeff());
-  side.works = finite && shrink > 0.05 && stretch < 1e3 && size < 1e30 * least_step && gap < 1e30 * least_step;
+  const bool rigid = ends == 2 || stretch < 1 + 1e-8;  // sweep_slab() takes bodies at rest for that
+  side.works = finite && rigid && shrink > 0.05 && stretch < 1e3 && ratio > 1e-10 && ratio < 1e10 &&
+               size < 1e28 * std::min(1.0, step) && gap < 1e28 * std::min(1.0, step);
   if (!side.works) return side;
-  side.gap.fill(std::nextafter(static_cast<float>(gap), std::numeric_limits<float>::infinity()));
-  side.place_gap = column(Vector::Constant(gap * (1 + 0x1p-22)).cwiseQuotient(step));
+  const double places = gap / step * (1 + 0x1p-22);
+  side.gap.fill(std::nextafter(static_cast<float>(places), std::numeric_limits<float>::infinity()));
+  side.normal_scale = static_cast<float>(1 / (ratio * ratio));
+  side.moving_slab_gap = static_cast<float>(places * longest_normal * stretch / ratio * (1 + 0x1p-20));
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < 3; ++i) side.oblique[k][i] = static_cast<float>(0.5 * axes(i, k));
+  }
   return side;
 }
 

@@ -14,32 +14,32 @@ struct GateBody {
   TreeGrid grid;
 };
 
-/// Oriented-box gate: proves boxes of two body-frame trees apart during an interval.
+/// Oriented-box gate: proves boxes of two body-frame trees apart during an interval, or the slabs in them.
 /// The boxes that are tested eight at a time rest in the frame of their body; those of the other
 /// body move past them on straight lines, which are not quite the true paths:
 /// `gap` covers the difference, and the rounding of float (docs/guarantee.md, "Surfaces"). An axis that
 /// separates both ends in the same sense separates throughout, as projections are linear in time.
+/// Lengths are places of the resting body's grid.
 struct BoxGate {
-  static constexpr int axis_count = 12;  ///< beside the resting boxes' own: the other's, and their cross products
-  static constexpr int axis_lanes = 16;
-  using PerAxis = std::array<float, axis_lanes>;  ///< padded by axes that separate nothing
-  using Column = std::array<float, 4>;            ///< x, y, z, 0
+  using Column = std::array<float, 3>;
 
   /// One body at rest, the other one moving.
   struct Side {
-    // Along the coordinates, in places of the resting body's grid.
-    std::array<std::array<Column, 3>, 2> map;        ///< [end][column]: from the other's frame
-    std::array<std::array<Column, 3>, 2> magnitude;  ///< absolute values of `map`
-    std::array<Column, 2> offset;                    ///< [end]
-    Column place_gap;                                ///< distance that proves separation
-    // Along the axes.
-    std::array<PerAxis, 3> axis;                   ///< [coordinate]
-    std::array<PerAxis, 3> axis_size;              ///< absolute values of `axis`
-    std::array<std::array<PerAxis, 3>, 2> moving;  ///< [end][coordinate]: the axes in the other's frame
-    std::array<std::array<PerAxis, 3>, 2> moving_size;
-    std::array<PerAxis, 2> moving_offset;  ///< [end]
-    PerAxis gap;                           ///< distance of projections that proves separation
-    bool works = false;                    ///< else nothing is proven
+    /// The axes: resting coordinates in lanes 0 to 2, the other body's own ones in lanes 4 to 6; the rest separates
+    /// nothing.
+    static constexpr int lanes = 8;
+    using PerAxis = std::array<float, lanes>;
+    std::array<std::array<PerAxis, 3>, 2> moving;       ///< [end][coordinate]: the axes in the other's places
+    std::array<std::array<PerAxis, 3>, 2> moving_size;  ///< absolute values of `moving`
+    std::array<PerAxis, 2> moving_offset;               ///< [end]
+    PerAxis gap;                                        ///< distance of projections that proves separation
+    std::array<std::array<float, 3>, 3> oblique;        ///< [axis][coordinate]: the other's axes
+
+    std::array<std::array<Column, 3>, 2> map;  ///< [end][column]: from the other's places
+    std::array<Column, 2> offset;              ///< [end]
+    float normal_scale = 0;                    ///< makes a mapped normal a normal of the same heights
+    float moving_slab_gap = 0;  ///< distance of heights along the moving slab's normal that proves separation
+    bool works = false;         ///< else nothing is proven
   };
   alignas(64) Side a;  ///< a at rest, b moving
   alignas(64) Side b;  ///< b at rest, a moving

@@ -240,10 +240,10 @@ std::optional<MeshArraysView> AssetView::cage_arrays(std::size_t level) const {
 std::optional<MeshArraysView> AssetView::fine_arrays() const { return arrays(*fine_, fine_name); }
 
 std::optional<MeshArraysView> AssetView::arrays(const MeshView& mesh, const std::string& mesh_name) const {
-  if (!find_section(mesh_name + " nodes")) return std::nullopt;
+  if (!find_section(mesh_name + " boxes")) return std::nullopt;
   const MeshArraysView view = {
       mesh,
-      {array<WideNode>(mesh_name + " nodes"), array<LeafTriangle>(mesh_name + " leaves"), make_grid(mesh.vertices)},
+      {array<WideNode>(mesh_name + " boxes"), array<LeafTriangle>(mesh_name + " leaves"), make_grid(mesh.vertices)},
       array<OwnedFeatures>(mesh_name + " owned"),
       array<MeshPart>(mesh_name + " parts")};
   check_arrays(view, name_ + ": " + mesh_name);

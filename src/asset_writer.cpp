@@ -116,7 +116,7 @@ class Encoder {
                           {"componentType", uint32},
                           {"count", triangles.size() * 3},
                           {"type", "SCALAR"}});
-    add_section(arrays.tree.nodes, kind, mesh_name + " nodes");
+    add_section(arrays.tree.nodes, kind, mesh_name + " boxes");
     add_section(arrays.tree.leaves, kind, mesh_name + " leaves");
     add_section(arrays.owned, kind, mesh_name + " owned");
     add_section(arrays.parts, kind, mesh_name + " parts");

@@ -24,7 +24,7 @@ static_assert(sizeof(BvhNode) == 32);
 /// Built by binned surface-area heuristic (Wald 2007), ties by index: the same
 /// mesh gives the same tree on every machine.
 struct Bvh {
-  static constexpr int leaf_size = 2;   ///< triangles in a leaf, at most
+  static constexpr int leaf_size = 4;   ///< triangles in a leaf, at most
   static constexpr int max_depth = 64;  ///< of any node, the root having 0: fixed stacks hold a traversal
 
   std::vector<BvhNode> nodes;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "src/bvh.h"
+#include "src/slab.h"
 
 namespace encage {
 namespace {
@@ -22,20 +23,17 @@ double half_area(const BvhNode& node) {
   return x * y + y * z + z * x;
 }
 
-/// Of a coordinate, before rounding to a place.
-double exact_place(const TreeGrid& grid, int axis, float x) {
-  return (static_cast<double>(x) - static_cast<double>(grid.middle[axis])) / static_cast<double>(grid.step[axis]);
-}
-
 /// The last place that is not above x, and the first that is not below.
 std::int16_t place_below(const TreeGrid& grid, int axis, float x) {
-  auto place = static_cast<std::int16_t>(std::clamp(std::floor(exact_place(grid, axis, x)), -32768.0, 32767.0));
+  const double exact = grid.place(axis, static_cast<double>(x));
+  auto place = static_cast<std::int16_t>(std::clamp(std::floor(exact), -32768.0, 32767.0));
   while (grid.at(axis, place) > x && place > -32768) --place;
   return place;
 }
 
 std::int16_t place_above(const TreeGrid& grid, int axis, float x) {
-  auto place = static_cast<std::int16_t>(std::clamp(std::ceil(exact_place(grid, axis, x)), -32768.0, 32767.0));
+  const double exact = grid.place(axis, static_cast<double>(x));
+  auto place = static_cast<std::int16_t>(std::clamp(std::ceil(exact), -32768.0, 32767.0));
   while (grid.at(axis, place) < x && place < 32767) ++place;
   return place;
 }
@@ -43,7 +41,8 @@ std::int16_t place_above(const TreeGrid& grid, int axis, float x) {
 /// Joins the nodes of a binary tree to wide ones.
 class Widener {
  public:
-  Widener(const Bvh& binary, const TriangleMesh& mesh, const TreeGrid& grid) : binary_(binary) {
+  Widener(const Bvh& binary, const TriangleMesh& mesh, const TreeGrid& grid)
+      : binary_(binary), slabs_(mesh, grid, binary.order) {
     tree_.grid = grid;
     tree_.leaves.reserve(binary.order.size());
     for (const std::int32_t t : binary.order) {
@@ -57,7 +56,7 @@ class Widener {
       std::int32_t wide, binary;
     };
     std::vector<Task> tasks{{0, 0}};
-    tree_.nodes.emplace_back();
+    tree_.nodes.push_back(WideNode{});
     while (!tasks.empty()) {
       const Task task = tasks.back();
       tasks.pop_back();
@@ -74,11 +73,15 @@ class Widener {
         }
         wide.set_link(lane, 0, WideNode::unused);
         if (lane >= count) continue;
+        const Slab slab = slabs_.fit(first_triangle(lanes[lane]), end_of_triangles(lanes[lane]));
+        for (int axis = 0; axis < 3; ++axis) wide.normal[axis][lane] = slab.normal[axis];
+        wide.slab_lower[lane] = slab.lower;
+        wide.slab_upper[lane] = slab.upper;
         const auto child = node.leaf() ? node.first : static_cast<std::int32_t>(tree_.nodes.size());
         wide.set_link(lane, child, node.count);
         if (node.leaf()) continue;
         tasks.push_back({child, lanes[lane]});
-        tree_.nodes.emplace_back();
+        tree_.nodes.push_back(WideNode{});
       }
     }
     return std::move(tree_);
@@ -106,7 +109,18 @@ class Widener {
     return count;
   }
 
+  // Triangles below a node lie side by side in Bvh::order.
+  std::int32_t first_triangle(std::int32_t n) const {
+    while (!binary_.nodes[n].leaf()) n = binary_.nodes[n].first;
+    return binary_.nodes[n].first;
+  }
+  std::int32_t end_of_triangles(std::int32_t n) const {
+    while (!binary_.nodes[n].leaf()) n = binary_.nodes[n].first + 1;
+    return binary_.nodes[n].first + binary_.nodes[n].count;
+  }
+
   const Bvh& binary_;
+  SlabFitter slabs_;
   WideTree tree_;
 };
 
@@ -115,7 +129,7 @@ class Checker {
   Checker(const WideTreeView& tree, const MeshView& mesh, const std::string& place)
       : tree_(tree), mesh_(mesh), place_(place) {}
 
-  void check() {
+  void check_links() {
     if (tree_.nodes.empty()) throw Error(place_ + ": a tree without nodes");
     if (tree_.leaves.size() != mesh_.triangles.size()) {
       throw Error(place_ + ": " + std::to_string(tree_.leaves.size()) + " leaf triangles for a mesh of " +
@@ -150,8 +164,33 @@ class Checker {
     if (covered_count != covered.size()) throw Error(place_ + ": the tree does not reach every triangle");
   }
 
+  /// After check_links(): every triangle lies in all boxes and slabs on the way down to it.
+  void check_bounds() const {
+    struct Lane {
+      std::size_t node;
+      int lane;
+    };
+    std::vector<Lane> above(tree_.nodes.size());
+    for (std::size_t n = 0; n < tree_.nodes.size(); ++n) {
+      for (int lane = 0; lane < width && tree_.nodes[n].count(lane) != WideNode::unused; ++lane) {
+        const std::int32_t first = tree_.nodes[n].child(lane), count = tree_.nodes[n].count(lane);
+        if (count == WideNode::inner) above[first] = {n, lane};
+        for (std::int32_t i = first; i < first + count; ++i) {
+          for (const std::int32_t v : tree_.leaves[i].vertices) {
+            for (Lane at{n, lane};; at = above[at.node]) {
+              if (!contains(tree_.nodes[at.node], at.lane, mesh_.vertices[v])) {
+                fail(at.node, "does not contain its triangle " + std::to_string(tree_.leaves[i].triangle));
+              }
+              if (at.node == 0) break;
+            }
+          }
+        }
+      }
+    }
+  }
+
  private:
-  [[noreturn]] void fail(std::size_t node, const char* reason) const {
+  [[noreturn]] void fail(std::size_t node, const std::string& reason) const {
     throw Error(place_ + ": node " + std::to_string(node) + " " + reason);
   }
 
@@ -176,16 +215,6 @@ class Checker {
     if (depth_[child] >= 0) fail(child, "has two parents");
     depth_[child] = depth_[n] + 1;
     if (depth_[child] > WideTree::max_depth) fail(child, "is too deep");
-    const WideNode& below = tree_.nodes[child];
-    for (int i = 0; i < width; ++i) {
-      if (below.count(i) == WideNode::unused) continue;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!contains_place(n, lane, axis, below.lower[axis][i]) ||
-            !contains_place(n, lane, axis, below.upper[axis][i])) {
-          fail(n, "does not contain its child");
-        }
-      }
-    }
   }
 
   void check_leaf(std::size_t n, int lane) const {
@@ -194,21 +223,17 @@ class Checker {
         first > static_cast<std::int64_t>(tree_.leaves.size()) - count) {
       fail(n, "has a leaf out of range");
     }
-    for (std::int32_t i = first; i < first + count; ++i) {
-      for (const std::int32_t v : tree_.leaves[i].vertices) {
-        for (int axis = 0; axis < 3; ++axis) {
-          if (!contains(n, lane, axis, mesh_.vertices[v][axis])) fail(n, "does not contain its triangle");
-        }
-      }
+  }
+
+  bool contains(const WideNode& node, int lane, const std::array<float, 3>& vertex) const {
+    Eigen::Vector3d place;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (vertex[axis] < tree_.lower(node, axis, lane) || vertex[axis] > tree_.upper(node, axis, lane)) return false;
+      place[axis] = tree_.grid.place(axis, static_cast<double>(vertex[axis]));
     }
-  }
-
-  bool contains_place(std::size_t n, int lane, int axis, std::int16_t place) const {
-    return tree_.nodes[n].lower[axis][lane] <= place && place <= tree_.nodes[n].upper[axis][lane];
-  }
-
-  bool contains(std::size_t n, int lane, int axis, float x) const {
-    return tree_.lower(tree_.nodes[n], axis, lane) <= x && x <= tree_.upper(tree_.nodes[n], axis, lane);
+    const double height = Slab::height({node.normal[0][lane], node.normal[1][lane], node.normal[2][lane]}, place);
+    return WideNode::slab_unit * node.slab_lower[lane] <= height &&
+           height <= WideNode::slab_unit * node.slab_upper[lane];
   }
 
   const WideTreeView& tree_;
@@ -230,15 +255,14 @@ TreeGrid make_grid(std::span<const std::array<float, 3>> vertices) {
     largest = std::max({largest, std::abs(low[axis]), std::abs(high[axis])});
   }
   TreeGrid grid;
+  // A little more than the extent; never so little that places would round to the same number.
+  double step = std::max(largest * 0x1p-21, static_cast<double>(std::numeric_limits<float>::min()));
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // A little more than the extent; never so little that places would round to the same number, nor, where the mesh
-    // is flat, that its size in places would overflow.
     const double half = 0.5 * (high[axis] - low[axis]);
-    const double step = std::max(
-        {half / 32766 * (1 + 0x1p-20), largest * 0x1p-21, static_cast<double>(std::numeric_limits<float>::min())});
+    step = std::max(step, half / 32766 * (1 + 0x1p-20));
     grid.middle[axis] = static_cast<float>(0.5 * (low[axis] + high[axis]));
-    grid.step[axis] = static_cast<float>(step);
   }
+  grid.step = static_cast<float>(step);
   return grid;
 }
 
@@ -254,7 +278,13 @@ WideTree build_wide_tree(const TriangleMesh& mesh) {
 }
 
 void check_tree(const WideTreeView& tree, const MeshView& mesh, const std::string& place) {
-  Checker(tree, mesh, place).check();
+  Checker(tree, mesh, place).check_links();
+}
+
+void check_bounds(const WideTreeView& tree, const MeshView& mesh, const std::string& place) {
+  Checker checker(tree, mesh, place);
+  checker.check_links();
+  checker.check_bounds();
 }
 
 }  // namespace encage

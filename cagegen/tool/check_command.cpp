@@ -67,6 +67,7 @@ CheckReport::Check check_query_arrays(const AssetView& view, const CageHierarchy
   const auto require = [&](const std::optional<MeshArraysView>& stored, const TriangleMesh& mesh,
                            const std::string& place) {
     if (!stored) return;
+    check_bounds(stored->tree, stored->mesh, place);
     const MeshArrays expected = make_mesh_arrays(mesh, place);
     if (!same_bytes(std::as_bytes(stored->owned), std::as_bytes(std::span(expected.owned))) ||
         !same_bytes(std::as_bytes(stored->parts), std::as_bytes(std::span(expected.parts)))) {

@@ -187,12 +187,15 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
     for (const auto& [first_a, count_a, first_b, count_b] :
          visited(a, b, BoxGate(motion, a.body(), b.body(), distance))) {
       ++visits;
-      // Leaves of about 0.15 across that move by as much.
+      // Leaves of about 0.2 across that move by as much.
       Real least = 1;
-      for (int s = 0; s <= 4; ++s) {
-        least =
-            std::min(least, triangle_distance(at(a, a.arrays.tree.leaves[first_a].triangle, motion.a, Real(s) / 4),
-                                              at(b, b.arrays.tree.leaves[first_b].triangle, motion.b, Real(s) / 4)));
+      for (std::int32_t i = first_a; i < first_a + count_a; ++i) {
+        for (std::int32_t j = first_b; j < first_b + count_b; ++j) {
+          for (int s = 0; s <= 4; ++s) {
+            least = std::min(least, triangle_distance(at(a, a.arrays.tree.leaves[i].triangle, motion.a, Real(s) / 4),
+                                                      at(b, b.arrays.tree.leaves[j].triangle, motion.b, Real(s) / 4)));
+          }
+        }
       }
       near_visits += least < 0.25L;
     }
@@ -201,6 +204,43 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
   EXPECT_GT(visits, 100U);
   EXPECT_LT(visits * 100, pairs);
   EXPECT_GE(near_visits * 100, visits * 95);
+}
+
+// Two sheets, parallel but askew to all axes, a hundredth of their size apart: boxes overlap down to the leaves.
+TEST(BoxGate, SlabsSeparateSheetsWhoseBoxesOverlap) {
+  shapes::Random random(8);
+  TriangleMesh sheet;
+  sheet.vertices.resize(21 * 21, 3);
+  sheet.triangles.resize(20 * 20 * 2, 3);
+  for (int i = 0; i < 21; ++i) {
+    for (int j = 0; j < 21; ++j) sheet.vertices.row(21 * i + j) << 0.05 * i - 0.5, 0.05 * j - 0.5, 0;
+  }
+  for (int i = 0, t = 0; i < 20; ++i) {
+    for (int j = 0; j < 20; ++j) {
+      const int v = 21 * i + j;
+      sheet.triangles.row(t++) << v, v + 21, v + 1;
+      sheet.triangles.row(t++) << v + 1, v + 21, v + 22;
+    }
+  }
+  for (int round = 0; round < 50; ++round) {
+    const Eigen::Matrix3d tilt = random_rotation(random, 3.1), turn = random_rotation(random, 3.1);
+    const auto turned = [&](const Eigen::Matrix3d& rotation) {
+      TriangleMesh mesh = sheet;
+      mesh.vertices = (sheet.vertices * rotation.transpose()).eval();
+      mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
+      return Tree(mesh);
+    };
+    // Both in the same plane, each in a frame of its own; then b is lifted off it.
+    const Tree a = turned(tilt), b = turned(turn);
+    PairMotion motion;
+    motion.b[0] = map(tilt * turn.transpose(), tilt.col(2) * 0.01);
+    motion.b[1] = map(motion.b[0].linear, tilt.col(2) * 0.02 + tilt.col(0) * 0.1);
+    EXPECT_TRUE(visited(a, b, BoxGate(motion, a.body(), b.body(), 0.005)).empty());
+    motion.at_rest = true;
+    motion.b[1] = motion.b[0];
+    EXPECT_TRUE(visited(a, b, BoxGate(motion, a.body(), b.body(), 0.005)).empty());
+    EXPECT_FALSE(visited(a, b, BoxGate(motion, a.body(), b.body(), 0.015)).empty());
+  }
 }
 
 TEST(BoxGate, StopsWhenAskedTo) {

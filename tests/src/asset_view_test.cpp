@@ -34,7 +34,7 @@ json& extension(json& document) { return document["extensions"]["ENCAGE_cages"];
 TEST(AssetView, shows_aligned_arrays_in_place) {
   const AlignedBytes bytes(sample());
   const AssetView view(bytes.span(), "f.glb", Verify::all);
-  ASSERT_EQ(view.sections().size(), 18U);  // of three meshes: vertices, triangles, nodes, leaves, owned, parts
+  ASSERT_EQ(view.sections().size(), 18U);  // of three meshes: vertices, triangles, boxes, leaves, owned, parts
   for (const AssetSection& section : view.sections()) {
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(section.bytes.data()) % 64, 0U);
     EXPECT_EQ((section.bytes.data() - bytes.span().data()) % 64, 0);

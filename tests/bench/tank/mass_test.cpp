@@ -85,24 +85,6 @@ TEST(Mass, TurnsAndMovesWithTheMesh) {
   EXPECT_LT(largest(along.cwiseAbs() - Eigen::Matrix3d::Identity()), 1e-10);
 }
 
-TEST(Mass, PrincipalFrameRebuildsTheTensor) {
-  shapes::Random random(5);
-  for (int i = 0; i < 500; ++i) {
-    const Eigen::Matrix3d r = turned(random(0, 1), random(0, 1), random(0, 1));
-    Eigen::Vector3d values = random.point(3);
-    if (i % 3 == 0) values[1] = values[0];
-    if (i % 7 == 0) values[2] *= 1e-9;
-    const Eigen::Matrix3d a = r * values.asDiagonal() * r.transpose();
-    const PrincipalFrame frame = principal_frame(a);
-    expect_right_handed_and_orthonormal(frame.axes);
-    EXPECT_LE(frame.values[0], frame.values[1]);
-    EXPECT_LE(frame.values[1], frame.values[2]);
-    const Eigen::Matrix3d again = frame.axes * frame.values.asDiagonal() * frame.axes.transpose();
-    EXPECT_LT(largest(again - a), 1e-14 * 3);
-  }
-  EXPECT_EQ(principal_frame(Eigen::Matrix3d::Zero()).values, Eigen::Vector3d::Zero());
-}
-
 TEST(Mass, OfTheOctopusIsCentredAndPlausible) {
   const MassProperties m = mass_properties(make_octopus(fewest_octopus_faces));
   EXPECT_LT(largest(m.centre), 1e-6);
