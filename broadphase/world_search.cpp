@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/body_box.h"
+#include "broadphase/chunks.h"
 #include "broadphase/frame.h"
 #include "broadphase/world_state.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace encage {
 namespace {
@@ -27,18 +29,6 @@ void make_room(std::vector<T>& v, std::size_t size) {
 }
 
 }  // namespace
-
-/// Locks the world while its pairs are visited.
-class World::State::Searching {
- public:
-  explicit Searching(State& state) : state_(state) { state_.searching_ = true; }
-  ~Searching() { state_.searching_ = false; }
-  Searching(const Searching&) = delete;
-  Searching& operator=(const Searching&) = delete;
-
- private:
-  State& state_;
-};
 
 // ---- Pairs whose tree boxes overlap --------------------------------------
 
@@ -119,13 +109,20 @@ bool World::State::is_current(const Pair& pair) const noexcept {
   return pair.tested_at > changed_at;
 }
 
-const Eigen::AlignedBox3d& World::State::tight_box(std::uint32_t n) noexcept {
+Eigen::AlignedBox3d World::State::tight_box(std::uint32_t n) noexcept {
+  constexpr std::uint64_t nobody = ~std::uint64_t{0};
   Body& body = bodies_[n];
-  if (body.box_of != bounds_[n].changed_at) {
-    body.box = world_box(*shapes_[static_cast<std::uint32_t>(body.shape)].shape, body.motion);
-    body.box_of = bounds_[n].changed_at;
+  const std::atomic_ref<std::uint64_t> box_of(body.box_of);
+  const std::uint64_t wanted = bounds_[n].changed_at;
+  std::uint64_t known = box_of.load(std::memory_order_acquire);
+  if (known == wanted) return body.box;
+  const Eigen::AlignedBox3d box = world_box(*shapes_[static_cast<std::uint32_t>(body.shape)].shape, body.motion);
+  // Several threads may find the same box; one keeps it, none waits.
+  if (known != nobody && box_of.compare_exchange_strong(known, nobody, std::memory_order_relaxed)) {
+    body.box = box;
+    box_of.store(wanted, std::memory_order_release);
   }
-  return body.box;
+  return box;
 }
 
 bool World::State::boxes_are_apart(const Pair& pair, double margin) noexcept {
@@ -160,21 +157,151 @@ Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept 
   return separated(shape_a, a.motion, *shapes_[static_cast<std::uint32_t>(b.shape)].shape, b.motion, options);
 }
 
-std::span<const TrianglePair> World::State::triangles(const Pair& pair, double margin) {
-  triangles_.clear();
-  if (has_half_space(pair)) return {};
+template <class Visit>
+void World::State::for_each_triangle_pair(const Pair& pair, double margin, Visit&& visit) const {
+  if (has_half_space(pair)) return;
   const Body& a = bodies_[first(pair)];
   const Body& b = bodies_[second(pair)];
   for_each_candidate(*shapes_[static_cast<std::uint32_t>(a.shape)].shape, a.motion,
-                     *shapes_[static_cast<std::uint32_t>(b.shape)].shape, b.motion, margin_of(pair, margin),
-                     [this](TrianglePair found) {
-                       triangles_.push_back(found);
-                       return true;
-                     });
-  return triangles_;
+                     *shapes_[static_cast<std::uint32_t>(b.shape)].shape, b.motion, margin_of(pair, margin), visit);
 }
 
 // ---- Search --------------------------------------------------------------
+
+/// One search; the world is locked meanwhile. Tasks of the executor, if there is one, go through the pairs and leave
+/// what they find there; then the calling thread goes through them in order as if it were
+/// alone, and finds most of its work done.
+class World::State::Search {
+ public:
+  Search(State& state, const CandidateOptions& options)
+      : state_(state),
+        options_(options),
+        margin_(options.pair.margin),
+        now_(++state.clock_),
+        shared_(options.executor.run && options.executor.threads > 1 && state.pairs_.size() > 1) {
+    state_.searching_ = true;
+  }
+  ~Search() { state_.searching_ = false; }
+  Search(const Search&) = delete;
+  Search& operator=(const Search&) = delete;
+
+  CandidateStatistics run(void (*visit)(void*, const CandidatePair&), void* context) {
+    if (options_.accept) call_accept();
+    for (std::size_t next = 0; next < state_.pairs_.size();) next = deliver(next, prepare(next), visit, context);
+    return counts_;
+  }
+
+ private:
+  void test_boxes(Pair& pair) noexcept {
+    if (state_.is_current(pair)) return;
+    pair.apart = state_.boxes_are_apart(pair, state_.margin_of(pair, margin_));
+    pair.asked = false;
+    pair.tested_at = now_;
+  }
+
+  void ask(Pair& pair) noexcept {
+    if (pair.asked) return;
+    pair.verdict = state_.ask(pair, options_.pair);
+    pair.asked = true;
+    pair.counted = false;
+  }
+
+  void call_accept() {
+    std::vector<Pair>& pairs = state_.pairs_;
+    if (shared_) {
+      for_each_in_chunks(options_.executor, 0, pairs.size(), [&](std::size_t i) {
+        test_boxes(pairs[i]);
+        return true;
+      });
+    }
+    for (Pair& pair : pairs) {
+      test_boxes(pair);
+      if (!pair.apart) pair.refused = !options_.accept(state_.candidate(pair));
+    }
+  }
+
+  bool is_open(const Pair& pair) const noexcept { return !pair.apart && !(options_.accept && pair.refused); }
+
+  /// Lets tasks find out about pairs from `first` on. Returns the end of those they went through; of all, if there are
+  /// no tasks.
+  std::size_t prepare(std::size_t first) {
+    std::vector<Pair>& pairs = state_.pairs_;
+    if (!shared_) return pairs.size();
+    if (options_.triangles) {
+      state_.lists_.clear();
+      make_room(state_.list_, pairs.size());
+      state_.list_.resize(pairs.size());
+    }
+    const std::size_t last = for_each_in_chunks(options_.executor, first, pairs.size(), [&](std::size_t i) {
+      test_boxes(pairs[i]);
+      if (is_open(pairs[i])) ask(pairs[i]);
+      return !options_.triangles || list_triangles(i);
+    });
+    // An executor may have run nothing.
+    if (last == first) shared_ = false;
+    return shared_ ? last : pairs.size();
+  }
+
+  /// False if there was no room.
+  bool list_triangles(std::size_t i) noexcept {
+    const Pair& pair = state_.pairs_[i];
+    TriangleLists::Writer writer(state_.lists_);
+    if (is_open(pair) && !pair.verdict.separated) {
+      state_.for_each_triangle_pair(pair, margin_, [&](TrianglePair found) { return writer.push(found); });
+    }
+    state_.list_[i] = writer.list();
+    return writer.list().complete();
+  }
+
+  std::span<const TrianglePair> triangles(std::size_t i) {
+    if (shared_ && state_.list_[i].complete()) return state_.lists_.read(state_.list_[i], state_.triangles_);
+    state_.triangles_.clear();
+    state_.for_each_triangle_pair(state_.pairs_[i], margin_, [&](TrianglePair found) {
+      state_.triangles_.push_back(found);
+      return true;
+    });
+    return state_.triangles_;
+  }
+
+  /// Visits the candidates of [first, last). Returns the end of those it went through: at least one pair, and those
+  /// whose triangles are listed.
+  std::size_t deliver(std::size_t first, std::size_t last, void (*visit)(void*, const CandidatePair&), void* context) {
+    const bool listed = shared_ && options_.triangles;
+    for (std::size_t i = first; i < last; ++i) {
+      if (listed && i > first && !state_.list_[i].complete()) return i;
+      Pair& pair = state_.pairs_[i];
+      test_boxes(pair);
+      if (pair.apart) continue;
+      ++counts_.overlapping;
+      if (!is_open(pair)) {
+        ++counts_.refused;
+        continue;
+      }
+      ask(pair);
+      if (!pair.counted) {
+        pair.counted = true;
+        ++counts_.asked;
+      }
+      if (pair.verdict.separated) {
+        ++counts_.separated[static_cast<std::size_t>(pair.verdict.stage)];
+        continue;
+      }
+      ++counts_.candidates;
+      CandidatePair result = state_.candidate(pair);
+      result.verdict = pair.verdict;
+      if (options_.triangles) result.triangles = triangles(i);
+      visit(context, result);
+    }
+    return last;
+  }
+
+  State& state_;
+  const CandidateOptions& options_;
+  double margin_;
+  std::uint64_t now_;
+  bool shared_;  // among tasks
+  CandidateStatistics counts_;
+};
 
 CandidateStatistics World::State::search(const CandidateOptions& options, void (*visit)(void*, const CandidatePair&),
                                          void* context) {
@@ -182,42 +309,13 @@ CandidateStatistics World::State::search(const CandidateOptions& options, void (
   if (!(options.pair.margin >= 0 && options.pair.margin <= 1e150)) {
     throw Error("candidate options: the margin is negative or not finite");
   }
-  const Searching lock(*this);
+  if (options.executor.threads < 1) throw Error("candidate options: the number of threads is not positive");
   collect(options.pair.margin);
   if (!same(options.pair, last_options_)) {
     last_options_ = options.pair;
     options_changed_at_ = ++clock_;
   }
-  const std::uint64_t now = ++clock_;
-  CandidateStatistics counts;
-  for (Pair& pair : pairs_) {
-    if (!is_current(pair)) {
-      pair.apart = boxes_are_apart(pair, margin_of(pair, options.pair.margin));
-      pair.asked = false;
-      pair.tested_at = now;
-    }
-    if (pair.apart) continue;
-    ++counts.overlapping;
-    CandidatePair result = candidate(pair);
-    if (options.accept && !options.accept(result)) {
-      ++counts.refused;
-      continue;
-    }
-    if (!pair.asked) {
-      pair.verdict = ask(pair, options.pair);
-      pair.asked = true;
-      ++counts.asked;
-    }
-    result.verdict = pair.verdict;
-    if (pair.verdict.separated) {
-      ++counts.separated[static_cast<std::size_t>(pair.verdict.stage)];
-      continue;
-    }
-    ++counts.candidates;
-    if (options.triangles) result.triangles = triangles(pair, options.pair.margin);
-    visit(context, result);
-  }
-  return counts;
+  return Search(*this, options).run(visit, context);
 }
 
 }  // namespace encage

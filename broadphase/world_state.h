@@ -2,6 +2,7 @@
 #pragma once
 
 #include "broadphase/box_tree.h"
+#include "broadphase/triangle_lists.h"
 
 #include <encage/world.h>
 
@@ -27,7 +28,7 @@ class World::State {
     Motion motion;
     BodyOptions options;
     Eigen::AlignedBox3d box;   // world_box(), where box_of is changed_at
-    std::uint64_t box_of = 0;  // the time of the motion that `box` is about
+    std::uint64_t box_of = 0;  // the time of the motion that `box` is about; atomic during a search
     ShapeId shape{};
     BoxTree::Leaf leaf = -1;  // -1: removed
   };
@@ -66,8 +67,10 @@ class World::State {
     Verdict verdict{};            // if asked
     bool apart = false;           // boxes are
     bool asked = false;
+    bool counted = false;  // by CandidateStatistics::asked
+    bool refused = false;  // by CandidateOptions::accept, if this search has one
   };
-  class Searching;
+  class Search;
 
   static constexpr std::uint32_t half_space_bit = 0x80000000;
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
@@ -88,11 +91,13 @@ class World::State {
 
   double margin_of(const Pair& pair, double margin) const noexcept;
   bool is_current(const Pair& pair) const noexcept;
+  // Tasks of a search call these at the same time, for different pairs.
   bool boxes_are_apart(const Pair& pair, double margin) noexcept;
-  const Eigen::AlignedBox3d& tight_box(std::uint32_t body) noexcept;
+  Eigen::AlignedBox3d tight_box(std::uint32_t body) noexcept;
   Verdict ask(const Pair& pair, PairOptions options) const noexcept;
+  template <class Visit>
+  void for_each_triangle_pair(const Pair& pair, double margin, Visit&& visit) const;
   CandidatePair candidate(const Pair& pair) const noexcept;
-  std::span<const TrianglePair> triangles(const Pair& pair, double margin);
 
   std::vector<SharedShape> shapes_;
   std::vector<Plane> planes_;
@@ -111,7 +116,10 @@ class World::State {
   double collected_margin_ = 0;       // pairs_ is complete up to this one
   PairOptions last_options_;
   std::uint64_t options_changed_at_ = 0;
-  std::vector<TrianglePair> triangles_;
+
+  std::vector<TrianglePair> triangles_;    // of one pair
+  TriangleLists lists_;                    // of pairs that tasks went through
+  std::vector<TriangleLists::List> list_;  // of pairs_
 };
 
 }  // namespace encage

@@ -7,6 +7,7 @@
 #include <encage/broadphase.h>
 #include <encage/cage.h>
 #include <encage/error.h>
+#include <encage/executor.h>
 #include <encage/mesh.h>
 #include <encage/version.h>
 #include <encage/world.h>

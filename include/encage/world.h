@@ -5,6 +5,7 @@
 
 #include <encage/broadphase.h>
 #include <encage/error.h>
+#include <encage/executor.h>
 
 #include <array>
 #include <cstdint>
@@ -55,8 +56,11 @@ struct CandidateOptions {
   /// Collect the pairs of triangles of each candidate.
   bool triangles = false;
   /// If set: called with every pair that filters allow and whose world boxes overlap, not yet with a verdict,
-  /// in order; the pair is dropped if it returns false.
+  /// in order, by the calling thread, before any candidate is visited; the pair is dropped if it returns false.
   std::function<bool(const CandidatePair&)> accept{};
+  /// Threads for the tests of pairs and the collection of triangles. The results, their order and the statistics
+  /// do not depend on it. Nothing set: the calling thread alone.
+  Executor executor{};
 };
 
 /// Numbers of pairs; apart from `asked`, they depend on the bodies and options alone.
@@ -75,8 +79,8 @@ struct CandidateStatistics {
 /// order of calls that led there. Bad input throws Error, which names the body by its number and the
 /// reason, and leaves the world unchanged; so does std::bad_alloc. Lengths are in world units.
 ///
-/// A world is used by one thread at a time: a search writes to its buffers. Different worlds,
-/// also with the same shapes, are independent.
+/// A world is used by one thread at a time: a search writes to its buffers. That search may borrow
+/// threads (CandidateOptions::executor). Different worlds, also with the same shapes, are independent.
 class World {
  public:
   World();
@@ -116,8 +120,9 @@ class World {
   /// Calls visit(const CandidatePair&) for every pair that filters allow and that neither world boxes nor
   /// separated() prove separated: by increasing a, for each a first the bodies b by increasing number, then the
   /// half-spaces. The pair and its triangles are valid during the call. visit may read the world but not change it
-  /// (throws Error); what visit throws ends the search. Allocates nothing unless there are more pairs or
-  /// triangles than ever before. Throws Error for a bad margin.
+  /// (throws Error); accept likewise. Both are called by the calling thread while no task runs; what
+  /// they or the executor throw ends the search. Allocates nothing unless there are more pairs or triangles than
+  /// ever before; for triangles with an executor once 4 MiB. Throws Error for a bad margin or number of threads.
   template <class Visit>
   CandidateStatistics find_candidates(const CandidateOptions& options, Visit&& visit) {
     return visit_candidates(
