@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/poses.h>
+#include <encage/world.h>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace encage::threads {
+
+struct StepsOptions {
+  std::int64_t every = 1;   ///< takes every K-th step only
+  int copies = 1;           ///< the recorded bodies so many times side by side, out of each other's reach
+  bool continuous = false;  ///< each body moves to where it is in the next recorded step; otherwise it rests
+};
+
+/// What all bodies do in one step.
+using Step = std::vector<Motion>;
+
+/// Of the recorded steps with most bodies. Throws Error if there are none.
+std::vector<Step> make_steps(const std::vector<PoseStep>& recorded, const Shape& shape, const StepsOptions& options);
+
+/// All that a search gives.
+struct Answer {
+  struct Found {
+    BodyId a, b;
+    Stage stage;
+    std::int16_t level;
+    std::vector<std::pair<std::int32_t, std::int32_t>> triangles;
+    bool operator==(const Found&) const = default;
+  };
+  std::vector<Found> found;
+  std::array<std::int64_t, 7> counts{};
+  bool operator==(const Answer&) const = default;
+};
+
+/// Wall-clock milliseconds of one step.
+struct StepTime {
+  double update = 0;  ///< setting all motions
+  double search = 0;
+};
+
+/// A world of bodies of one shape that goes through steps.
+class Walker {
+ public:
+  Walker(ShapePtr shape, const Step& first, CandidateOptions options);
+
+  /// The visitor does next to nothing.
+  StepTime walk(const Step& step);
+  Answer walk_and_tell(const Step& step);
+
+ private:
+  void move(const Step& step);
+
+  World world_;
+  std::vector<BodyId> bodies_;
+  CandidateOptions options_;
+};
+
+}  // namespace encage::threads
