@@ -3,6 +3,8 @@
 
 #include <encage/tbb_executor.h>
 
+#include <oneapi/tbb/global_control.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -177,6 +179,9 @@ int run(const Arguments& a) {
   for (const auto& read : {a.asset, a.poses}) {
     if (!a.json.empty()) tool::check_output(a.json, read);
   }
+  namespace tbb = oneapi::tbb;
+  const auto most = static_cast<std::size_t>(*std::max_element(a.threads.begin(), a.threads.end()));
+  const tbb::global_control enough_threads(tbb::global_control::max_allowed_parallelism, most);
   const ShapePtr shape = load_shape(a.asset);
   const std::vector<Step> steps = make_steps(read_poses(a.poses), *shape, a.steps);
   std::vector<Contestant> all = make_contestants(a, shape, steps);

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/tbb_executor.h>
+
+#include "tests/broadphase/world_twin.h"
+
+#include <oneapi/tbb/global_control.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+namespace encage::test {
+namespace {
+
+namespace tbb = oneapi::tbb;
+
+// As many threads as are asked for, on any machine.
+const tbb::global_control enough_threads(tbb::global_control::max_allowed_parallelism, 4);
+
+TEST(TbbExecutor, RunsEachTaskOnce) {
+  tbb::task_arena arena(3);
+  EXPECT_EQ(tbb_executor(arena).threads, 3);
+  EXPECT_GE(tbb_executor().threads, 1);
+  for (const Executor& executor : {tbb_executor(4), tbb_executor(arena)}) {
+    std::vector<std::atomic<int>> calls(100);
+    const auto work = [&](int i) { ++calls[i]; };
+    executor.run(100, TaskRef(work));
+    for (const auto& count : calls) EXPECT_EQ(count, 1);
+  }
+}
+
+/// Candidates of a few steps.
+std::vector<std::vector<Found>> walk(unsigned seed, const Executor& executor) {
+  Twin twin(seed);
+  std::vector<std::vector<Found>> steps;
+  for (int i = 0; i < 40; ++i) twin.add_body();
+  for (unsigned step = 0; step < 5; ++step) {
+    for (unsigned i = 0; i < 12; ++i) twin.change(1 + (i + step) % 9);
+    steps.push_back(candidates(twin.world, {.executor = executor}));
+  }
+  return steps;
+}
+
+TEST(TbbExecutor, GivesWhatTheCallingThreadGives) {
+  const auto expected = walk(3, {});
+  tbb::task_arena arena(2);
+  EXPECT_EQ(walk(3, tbb_executor(2)), expected);
+  EXPECT_EQ(walk(3, tbb_executor(arena)), expected);
+}
+
+TEST(TbbExecutor, MayBeUsedFromTasksOfTheSameThreads) {
+  std::vector<std::vector<std::vector<Found>>> got(8);
+  tbb::parallel_for(0, 8, [&](int i) { got[i] = walk(static_cast<unsigned>(i), tbb_executor(3)); });
+  for (unsigned i = 0; i < 8; ++i) EXPECT_EQ(got[i], walk(i, {}));
+}
+
+TEST(TbbExecutor, AWaitingThreadTakesNoOtherWork) {
+  // Else a task of the outer loop could find its world in use by its own thread.
+  thread_local int depth = 0;
+  std::atomic<int> deepest = 0;
+  tbb::parallel_for(
+      0, 64,
+      [&](int i) {
+        Twin twin(static_cast<unsigned>(i));
+        for (int b = 0; b < 12; ++b) twin.add_body();
+        ++depth;
+        if (depth > deepest) deepest = depth;
+        twin.world.find_candidates({.executor = tbb_executor(4)}, [](const CandidatePair&) {});
+        --depth;
+      },
+      tbb::simple_partitioner());
+  EXPECT_EQ(deepest, 1);
+}
+
+}  // namespace
+}  // namespace encage::test
