@@ -16,7 +16,7 @@ namespace encage {
 /// of fixed size: no locks, and no allocation but the pool's. A list that the pool has no room for is incomplete.
 class TriangleLists {
  public:
-  static constexpr int block_size = 64, block_count = 8192;
+  static constexpr int block_size = 64, block_count = 4096;
 
   struct List {
     std::int32_t first_block = -1;

@@ -76,6 +76,7 @@ void World::State::merge_fresh_pairs() {
   }
   for (; fresh != fresh_.cend(); ++fresh) merged_.push_back({.key = *fresh});
   pairs_.swap(merged_);
+  ++clock_;
 }
 
 void World::State::collect(double margin) {
@@ -179,6 +180,8 @@ class World::State::Search {
         margin_(options.pair.margin),
         now_(++state.clock_),
         shared_(options.executor.run && options.executor.threads > 1 && state.pairs_.size() > 1) {
+    // Nothing has changed since the last search, which has asked all pairs.
+    if (state.complete_at_ == now_ - 1 && !options.triangles) shared_ = false;
     state_.searching_ = true;
   }
   ~Search() { state_.searching_ = false; }
@@ -188,6 +191,7 @@ class World::State::Search {
   CandidateStatistics run(void (*visit)(void*, const CandidatePair&), void* context) {
     if (options_.accept) call_accept();
     for (std::size_t next = 0; next < state_.pairs_.size();) next = deliver(next, prepare(next), visit, context);
+    if (!options_.accept) state_.complete_at_ = now_;
     return counts_;
   }
 
@@ -266,32 +270,35 @@ class World::State::Search {
   /// Visits the candidates of [first, last). Returns the end of those it went through: at least one pair, and those
   /// whose triangles are listed.
   std::size_t deliver(std::size_t first, std::size_t last, void (*visit)(void*, const CandidatePair&), void* context) {
-    const bool listed = shared_ && options_.triangles;
+    const bool listed = shared_ && options_.triangles, accepting = static_cast<bool>(options_.accept);
+    CandidateStatistics counts = counts_;
     for (std::size_t i = first; i < last; ++i) {
-      if (listed && i > first && !state_.list_[i].complete()) return i;
       Pair& pair = state_.pairs_[i];
+      if (listed && i > first && !state_.list_[i].complete()) {
+        last = i;
+        break;
+      }
       test_boxes(pair);
       if (pair.apart) continue;
-      ++counts_.overlapping;
-      if (!is_open(pair)) {
-        ++counts_.refused;
+      ++counts.overlapping;
+      if (accepting && pair.refused) {
+        ++counts.refused;
         continue;
       }
       ask(pair);
-      if (!pair.counted) {
-        pair.counted = true;
-        ++counts_.asked;
-      }
+      counts.asked += pair.counted ? 0 : 1;
+      pair.counted = true;
       if (pair.verdict.separated) {
-        ++counts_.separated[static_cast<std::size_t>(pair.verdict.stage)];
+        ++counts.separated[static_cast<std::size_t>(pair.verdict.stage)];
         continue;
       }
-      ++counts_.candidates;
+      ++counts.candidates;
       CandidatePair result = state_.candidate(pair);
       result.verdict = pair.verdict;
       if (options_.triangles) result.triangles = triangles(i);
       visit(context, result);
     }
+    counts_ = counts;
     return last;
   }
 

@@ -105,7 +105,8 @@ class World::State {
   std::vector<Bounds> bounds_;          // of bodies_
   std::vector<std::uint8_t> outdated_;  // bodies that left their place in the tree since their pairs were collected
   BoxTree tree_;
-  std::uint64_t clock_ = 0;  // counts changes and searches
+  std::uint64_t clock_ = 0;        // counts changes and searches
+  std::uint64_t complete_at_ = 0;  // the last search that left no pair unasked
   bool searching_ = false;
 
   std::vector<Pair> pairs_;  // all that are allowed and whose tree boxes overlap, by key

@@ -122,7 +122,7 @@ class World {
   /// half-spaces. The pair and its triangles are valid during the call. visit may read the world but not change it
   /// (throws Error); accept likewise. Both are called by the calling thread while no task runs; what
   /// they or the executor throw ends the search. Allocates nothing unless there are more pairs or triangles than
-  /// ever before; for triangles with an executor once 4 MiB. Throws Error for a bad margin or number of threads.
+  /// ever before; for triangles with an executor once 2 MiB. Throws Error for a bad margin or number of threads.
   template <class Visit>
   CandidateStatistics find_candidates(const CandidateOptions& options, Visit&& visit) {
     return visit_candidates(

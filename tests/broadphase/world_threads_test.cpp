@@ -100,7 +100,7 @@ TEST(WorldThreads, GiveTheSameInTheSameOrderForAnyExecutor) {
 TEST(WorldThreads, WhatHasNoRoomInTheListsComesAllTheSame) {
   constexpr std::size_t room = std::size_t{TriangleLists::block_size} * TriangleLists::block_count;
   CageHierarchy ring;
-  ring.fine = shapes::torus(1, 0.4, 32, 14);
+  ring.fine = shapes::torus(1, 0.4, 24, 12);
   ring.fine.vertices = ring.fine.vertices.cast<float>().eval().cast<double>();
   const auto triangles = static_cast<std::size_t>(ring.fine.triangles.rows());
   World world;
@@ -108,7 +108,7 @@ TEST(WorldThreads, WhatHasNoRoomInTheListsComesAllTheSame) {
   // All triangles of the first two are closer than their margin: more than there is room for. So are, together,
   // those of the others.
   for (int i = 0; i < 2; ++i) world.add_body(shape, shift(0.1 * i), {.margin = 2});
-  for (int i = 0; i < 5; ++i) world.add_body(shape, shift(100 + 0.5 * i));
+  for (int i = 0; i < 4; ++i) world.add_body(shape, shift(100 + 0.3 * i));
   ASSERT_GT(triangles * triangles, room);
   ThreadPool pool(3);
   const CandidateOptions options{.pair = {.margin = 0.7}, .triangles = true};
@@ -117,10 +117,7 @@ TEST(WorldThreads, WhatHasNoRoomInTheListsComesAllTheSame) {
   std::size_t others = 0;
   for (const auto& visit : expected.visits) others += visit.second.size();
   EXPECT_GT(others - triangles * triangles, room);
-  for (const Executor& executor : {pool.executor(), shuffled()}) {
-    const Record got = record(world, options, executor);
-    EXPECT_TRUE(got.visits == expected.visits);
-  }
+  EXPECT_TRUE(record(world, options, pool.executor()).visits == expected.visits);
 }
 
 TEST(WorldThreads, ExceptionsEndTheSearchWhereTheyWould) {
@@ -157,9 +154,9 @@ TEST(WorldThreads, ExceptionsEndTheSearchWhereTheyWould) {
     got.counts.back() = expected.counts.back();
     EXPECT_EQ(got.counts, expected.counts);
 
-    EXPECT_THROW(twin.world.find_candidates({.executor = {2, throw_last}}, enough), std::runtime_error);
     twin.world.set_pose(BodyId{3}, shift(0));
     undisturbed.world.set_pose(BodyId{3}, shift(0));
+    EXPECT_THROW(twin.world.find_candidates({.executor = {2, throw_last}}, enough), std::runtime_error);
     EXPECT_TRUE(record(twin.world, {}, executor) == record(undisturbed.world, {}, {}));
   }
 }
