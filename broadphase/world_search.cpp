@@ -179,9 +179,9 @@ class World::State::Search {
         options_(options),
         margin_(options.pair.margin),
         now_(++state.clock_),
-        shared_(options.executor.run && options.executor.threads > 1 && state.pairs_.size() > 1) {
-    // Nothing has changed since the last search, which has asked all pairs.
-    if (state.complete_at_ == now_ - 1 && !options.triangles) shared_ = false;
+        tested_(state.complete_at_ == now_ - 1),
+        shared_(options.executor.run && options.executor.threads > 1 && state.pairs_.size() > 1 &&
+                (!tested_ || options.triangles)) {
     state_.searching_ = true;
   }
   ~Search() { state_.searching_ = false; }
@@ -222,6 +222,7 @@ class World::State::Search {
       test_boxes(pair);
       if (!pair.apart) pair.refused = !options_.accept(state_.candidate(pair));
     }
+    tested_ = true;
   }
 
   bool is_open(const Pair& pair) const noexcept { return !pair.apart && !(options_.accept && pair.refused); }
@@ -242,7 +243,7 @@ class World::State::Search {
       return !options_.triangles || list_triangles(i);
     });
     // An executor may have run nothing.
-    if (last == first) shared_ = false;
+    shared_ = last > first;
     return shared_ ? last : pairs.size();
   }
 
@@ -271,14 +272,16 @@ class World::State::Search {
   /// whose triangles are listed.
   std::size_t deliver(std::size_t first, std::size_t last, void (*visit)(void*, const CandidatePair&), void* context) {
     const bool listed = shared_ && options_.triangles, accepting = static_cast<bool>(options_.accept);
+    const bool tested = tested_ || shared_;
+    const std::span<Pair> pairs = state_.pairs_;
     CandidateStatistics counts = counts_;
     for (std::size_t i = first; i < last; ++i) {
-      Pair& pair = state_.pairs_[i];
+      Pair& pair = pairs[i];
       if (listed && i > first && !state_.list_[i].complete()) {
         last = i;
         break;
       }
-      test_boxes(pair);
+      if (!tested) test_boxes(pair);
       if (pair.apart) continue;
       ++counts.overlapping;
       if (accepting && pair.refused) {
@@ -286,8 +289,10 @@ class World::State::Search {
         continue;
       }
       ask(pair);
-      counts.asked += pair.counted ? 0 : 1;
-      pair.counted = true;
+      if (!pair.counted) {
+        pair.counted = true;
+        ++counts.asked;
+      }
       if (pair.verdict.separated) {
         ++counts.separated[static_cast<std::size_t>(pair.verdict.stage)];
         continue;
@@ -306,6 +311,7 @@ class World::State::Search {
   const CandidateOptions& options_;
   double margin_;
   std::uint64_t now_;
+  bool tested_;  // the boxes of all pairs
   bool shared_;  // among tasks
   CandidateStatistics counts_;
 };

@@ -118,6 +118,18 @@ TEST(WorldThreads, WhatHasNoRoomInTheListsComesAllTheSame) {
   for (const auto& visit : expected.visits) others += visit.second.size();
   EXPECT_GT(others - triangles * triangles, room);
   EXPECT_TRUE(record(world, options, pool.executor()).visits == expected.visits);
+  // Runs nothing but at first, and is then asked about pairs that nobody has looked at.
+  const Pose pose = world.motion(BodyId{5}).end;
+  world.set_pose(BodyId{5}, shift(0));
+  world.set_pose(BodyId{5}, pose);
+  int runs = 0;
+  const Executor once{2, [&](int, TaskRef task) {
+                        if (++runs == 1) task(0);
+                      }};
+  const Record again = record(world, options, once);
+  EXPECT_EQ(runs, 2);
+  EXPECT_TRUE(again.visits == expected.visits);
+  EXPECT_EQ(again.counts.back(), 3);
 }
 
 TEST(WorldThreads, ExceptionsEndTheSearchWhereTheyWould) {
