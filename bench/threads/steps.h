@@ -20,7 +20,7 @@ struct StepsOptions {
 /// What all bodies do in one step.
 using Step = std::vector<Motion>;
 
-/// Of the recorded steps with most bodies. Throws Error if there are none.
+/// Of those recorded steps, at least one, that have most bodies.
 std::vector<Step> make_steps(const std::vector<PoseStep>& recorded, const Shape& shape, const StepsOptions& options);
 
 /// All that a search gives.

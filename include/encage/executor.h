@@ -29,7 +29,9 @@ class TaskRef {
 ///
 /// Tasks share the work among themselves while they run. They need not run at the same time, nor in order, nor on
 /// other threads than the calling one, and never wait for each other: few threads that are
-/// busy elsewhere make a search slower, not wrong.
+/// busy elsewhere make a search slower, not wrong. E.g.
+///
+///   options.executor = {jobs.threads(), [&](int count, TaskRef task) { jobs.parallel_for(count, task); }};
 struct Executor {
   /// Tasks that are worth running at once, the calling thread's included; >= 1. With 1, `run` is not called.
   int threads = 1;
