@@ -6,7 +6,8 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <atomic>
-#include <stdexcept>
+#include <chrono>
+#include <thread>
 #include <vector>
 
 namespace encage::test {
@@ -55,21 +56,30 @@ TEST(TbbExecutor, MayBeUsedFromTasksOfTheSameThreads) {
 }
 
 TEST(TbbExecutor, AWaitingThreadTakesNoOtherWork) {
-  // Else a task of the outer loop could find its world in use by its own thread.
-  thread_local int depth = 0;
-  std::atomic<int> deepest = 0;
-  tbb::parallel_for(
-      0, 64,
-      [&](int i) {
-        Twin twin(static_cast<unsigned>(i));
-        for (int b = 0; b < 12; ++b) twin.add_body();
-        ++depth;
-        if (depth > deepest) deepest = depth;
-        twin.world.find_candidates({.executor = tbb_executor(4)}, [](const CandidatePair&) {});
-        --depth;
-      },
-      tbb::simple_partitioner());
-  EXPECT_EQ(deepest, 1);
+  tbb::task_arena arena(2);
+  const Executor executor = tbb_executor(arena);
+  std::atomic<bool> second_began = false, taken_early = false, other_ran = false;
+  const std::thread::id caller = std::this_thread::get_id();
+  const auto wait_for = [](const std::atomic<bool>& flag, int milliseconds) {
+    for (int i = 0; i < milliseconds && !flag; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  // The first task leaves a thread waiting for the second, while the arena has other work.
+  const auto work = [&](int i) {
+    if (i == 0) {
+      wait_for(second_began, 2000);
+    } else {
+      second_began = true;
+      arena.enqueue([&] {
+        taken_early = std::this_thread::get_id() == caller;
+        other_ran = true;
+      });
+      wait_for(taken_early, 30);
+    }
+  };
+  executor.run(2, TaskRef(work));
+  wait_for(other_ran, 10000);
+  ASSERT_TRUE(second_began && other_ran);
+  EXPECT_FALSE(taken_early);
 }
 
 }  // namespace
