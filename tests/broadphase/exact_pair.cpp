@@ -157,6 +157,23 @@ bool surfaces_meet(const ExactBody& a, const ExactBody& b, double distance) {
   return false;
 }
 
+bool triangles_meet(const ExactBody& a, std::int64_t i, const ExactBody& b, std::int64_t j, double distance) {
+  return !boxes_farther(a.data().boxes[i], b.data().boxes[j], distance) &&
+         meet(a.data().triangles[i], b.data().triangles[j], distance);
+}
+
+bool all_beyond(const ExactBody& body, const Eigen::Vector3d& n, double offset, double distance) {
+  const K::Vector_3 normal(n.x(), n.y(), n.z());
+  const K::FT squared = K::FT(distance) * K::FT(distance) * normal.squared_length();
+  for (const Triangle& t : body.data().triangles) {
+    for (const Point& p : t) {
+      const K::FT height = normal * (p - CGAL::ORIGIN) - K::FT(offset);
+      if (height <= 0 || height * height <= squared) return false;
+    }
+  }
+  return true;
+}
+
 int winding_number(const ExactBody& body, const Eigen::Vector3d& point) { return winding(body.data(), exact(point)); }
 
 bool holds_component(const ExactBody& host, const ExactBody& guest) {

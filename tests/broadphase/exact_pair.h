@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
 #include <memory>
 
 namespace encage::test {
@@ -27,6 +28,13 @@ class ExactBody {
 
 /// True if some triangles have a common point or, for distance > 0, are at most `distance` apart.
 bool surfaces_meet(const ExactBody& a, const ExactBody& b, double distance);
+
+/// The same for one triangle of each.
+bool triangles_meet(const ExactBody& a, std::int64_t i, const ExactBody& b, std::int64_t j, double distance);
+
+/// True if all vertices of triangles are farther than `distance` >= 0 from the half-space n.x <= offset; n
+/// of any length.
+bool all_beyond(const ExactBody& body, const Eigen::Vector3d& n, double offset, double distance);
 
 /// Winding number of a closed mesh about a point that is not on it.
 int winding_number(const ExactBody& body, const Eigen::Vector3d& point);

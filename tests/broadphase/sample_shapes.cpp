@@ -10,7 +10,7 @@ namespace encage::test {
 namespace {
 
 using Vector = Eigen::Vector3d;
-using shapes::box, shapes::cube, shapes::flipped, shapes::joined, shapes::torus;
+using shapes::box, shapes::cube, shapes::flipped, shapes::joined, shapes::moved, shapes::torus;
 using Polygon = std::vector<Eigen::Vector2d>;
 
 TriangleMesh make(const std::vector<Vector>& vertices, const std::vector<Eigen::Vector3i>& triangles) {
@@ -119,6 +119,34 @@ TriangleMesh doubled(TriangleMesh sheet) {
   return sheet;
 }
 
+/// A long prism over a thin triangle.
+TriangleMesh needle(double half, double thin) {
+  return prism({{-thin, -thin}, {thin, -thin}, {0, thin}}, {{0, 1, 2}}, -half, half);
+}
+
+/// A double cone whose rim turns by a hair from corner to corner: slivers about the axis.
+TriangleMesh fan() {
+  constexpr int count = 12;
+  std::vector<Vector> v = {{0, 0, 1}, {0, 0, -1}};
+  std::vector<Eigen::Vector3i> f;
+  for (int i = 0; i < count; ++i) {
+    // All but three corners close together.
+    const double angle = i < 3 ? 2.1 * i : 4.2 + 1e-4 * (i - 2);
+    v.emplace_back(std::cos(angle), std::sin(angle), 0);
+    const int a = 2 + i, b = 2 + (i + 1) % count;
+    f.emplace_back(0, a, b);
+    f.emplace_back(1, b, a);
+  }
+  return make(v, f);
+}
+
+/// A box, and on its largest face a tetrahedron of 2e-4.
+TriangleMesh spiky_box() {
+  TriangleMesh mesh = box({-1, -1, -0.5}, {1, 1, 0.5});
+  constexpr double tiny = 0x1p-13;
+  return joined(mesh, moved(shapes::scaled(tetrahedron(), tiny), {0.25, -0.375, 0.5 + tiny}));
+}
+
 /// A box around a sheet, the same distance away on all sides.
 TriangleMesh around_sheet(int across, double half, double distance) {
   Vector upper = Vector::Constant(half + distance);
@@ -175,6 +203,15 @@ std::vector<Sample> flat_shapes(double jitter) {
       sample("sheet", sheet(2, 2, 1), {around_sheet(2, 1, 0.05), cube(1.3)}, jitter, Solid::surface_only),
       sample("doubled sheet", doubled(sheet(3, 0, 1)), {around_sheet(0, 1, 0.05), cube(1.3)}, jitter),
       sample("wide sheet", doubled(sheet(3, 1, 1024)), {around_sheet(1, 1024, 0.5), cube(1100)}, jitter),
+  };
+}
+
+std::vector<Sample> thin_shapes(double jitter) {
+  const Vector corner(2e-3, 2e-3, 1.003);
+  return {
+      sample("needle", needle(1, 1e-4), {box(-corner, corner), cube(1.2)}, jitter),
+      sample("fan", fan(), {shapes::scaled(fan(), 1.1), cube(1.3)}, jitter),
+      sample("tiny feature", spiky_box(), {box({-1.02, -1.02, -0.52}, {1.02, 1.02, 0.52}), cube(1.2)}, jitter),
   };
 }
 

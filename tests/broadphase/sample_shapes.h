@@ -27,6 +27,9 @@ std::vector<Sample> large_sample_shapes(double jitter);
 std::vector<Sample> flat_shapes(double jitter);
 std::vector<Sample> large_flat_shapes(double jitter);
 
+/// Slivers: a needle 1e-4 thin, a fan of thin triangles, and tiny features on a large face.
+std::vector<Sample> thin_shapes(double jitter);
+
 /// 2 n^2 triangles over [-half, half]^2, flat across one axis, where all coordinates are 0.
 TriangleMesh sheet(int n, int across, double half);
 

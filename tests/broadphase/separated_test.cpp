@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/broadphase/ask_pairs.h"
+#include "tests/broadphase/body.h"
 #include "tests/broadphase/count_allocations.h"
 #include "tests/broadphase/exact_pair.h"
-#include "tests/broadphase/twin_bodies.h"
 #include "tests/shapes.h"
 
 #include <encage/broadphase.h>
@@ -44,111 +45,26 @@ std::vector<Body> bodies(double jitter = 0) {
 
 // ---- Against brute force -------------------------------------------------
 
-/// Random pairs in contact, near it and apart; the truth of what is rejected, and of every seventh pair.
-class TwinTest {
- public:
-  explicit TwinTest(unsigned seed) : random_(seed), small_(twin_bodies()), large_(large_twin_bodies()) {}
-
-  void run(int pairs) {
-    for (int i = 0; i < pairs && !testing::Test::HasFailure(); ++i) {
-      // Every 80th pair has a large body, every 800th has two.
-      const Body& a = random_.one_of(i % 800 == 0 ? large_ : small_);
-      const Body& b = random_.one_of(i % 80 == 0 ? large_ : small_);
-      const double margin = random_.margin(a, b);
-      Pose pose_a = random_.pose(), pose_b = random_.pose();
-      const unsigned kind = random_.below(8);
-      if (kind < 2) {
-        place(b, pose_b,
-              a.centre(pose_a) + random_.direction() * random_.uniform(0, 1.2) * (a.diagonal() + b.diagonal()) / 2);
-      } else if (kind < 7) {
-        near_contact(a, pose_a, b, pose_b, margin);
-      } else {
-        on_lattice(a, pose_a, b, pose_b);
-      }
-      check(a, pose_a, b, pose_b, margin, i);
-    }
-  }
-
-  TwinFigures figures;
-
- private:
-  static void place(const Body& body, Pose& pose, const Vector& where) {
-    pose.translation() += where - body.centre(pose);
-  }
-
-  // On a line, close to where the answer changes; on either side of it.
-  void near_contact(const Body& a, const Pose& pose_a, const Body& b, Pose& pose_b, double margin) {
-    const double size = (a.diagonal() + b.diagonal()) / 2;
-    const Vector start = random_.meeting_place(a, pose_a, b, pose_b);
-    const Vector d = random_.direction();
-    const auto answer = [&](double t) {
-      place(b, pose_b, start + d * t);
-      return ask(a, pose_a, b, pose_b, margin).separated;
-    };
-    random_.near_change(answer, random_.uniform(0.2, 1.5) * size + margin, size);
-  }
-
-  // Faces, edges and vertices that meet exactly, or miss by some units in the last place.
-  void on_lattice(const Body& a, Pose& pose_a, const Body& b, Pose& pose_b) {
-    pose_a.linear() = random_.quarter_turns();
-    pose_b.linear() = random_.quarter_turns();
-    place(b, pose_b, a.centre(pose_a) + random_.lattice_point());
-    if (random_.below(2) == 0) {
-      double& x = pose_b.translation()[random_.below(3)];
-      for (unsigned i = random_.below(4); i > 0; --i) x = std::nextafter(x, random_.below(2) == 0 ? 1e300 : -1e300);
-    }
-  }
-
-  void check(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin, int number) {
-    const Verdict verdict = ask(a, pose_a, b, pose_b, margin);
-    figures.rejected += verdict.separated;
-    if (!verdict.separated && number % 7 != 0) return;
-    const ExactBody exact_a(a.origin(), a.sample.source, pose_a);
-    const ExactBody exact_b(b.origin(), b.sample.source, pose_b);
-    const auto contained = [&] {
-      return (a.solid() && holds_component(exact_a, exact_b)) || (b.solid() && holds_component(exact_b, exact_a));
-    };
-    const bool contact = surfaces_meet(exact_a, exact_b, margin) || contained();
-    EXPECT_FALSE(verdict.separated && contact)
-        << "pair " << number << ": " << a.sample.name << " and " << b.sample.name << ", margin " << margin << ", stage "
-        << static_cast<int>(verdict.stage) << ", level " << verdict.level;
-    if (number % 7 != 0) return;
-    ++figures.asked;
-    figures.contacts += contact;
-    if (contact || !shows_rate(a, b)) return;
-    if (surfaces_meet(exact_a, exact_b, margin + 0.01 * std::max(a.diagonal(), b.diagonal()))) return;
-    ++figures.far;
-    figures.far_kept += !verdict.separated;
-  }
-
-  TwinRandom random_;
-  std::vector<Body> small_, large_;
-};
-
 constexpr int shards = 4;
 
 class SeparatedResting : public testing::TestWithParam<int> {};
 
 TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
-  const int pairs = number_from("ENCAGE_TWIN_PAIRS", 88'000) / shards;
-  TwinTest twin(static_cast<unsigned>(number_from("ENCAGE_TWIN_SEED", 1) * shards + GetParam()));
-  twin.run(pairs);
-  const TwinFigures& figures = twin.figures;
-  figures.record();
+  const twins::Tally figures = ask_pairs("resting", twins::resting_pairs(), 44'000, shards, GetParam());
   // The test attacks only if both answers are common.
-  EXPECT_GT(figures.rejected, pairs / 5);
+  EXPECT_GT(figures.rejected, figures.pairs / 5);
   EXPECT_LE(figures.far_kept, figures.far / 100);
   // Shares of fewer than these are chance (sanitizers run few pairs).
-  if (figures.asked < 50) return;
-  EXPECT_GT(figures.contacts, figures.asked / 5);
-  EXPECT_GT(figures.far, figures.asked / 20);
+  if (figures.sampled < 50) return;
+  EXPECT_GT(figures.touching + figures.within_margin, figures.sampled / 5);
+  EXPECT_GT(figures.far, figures.sampled / 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, SeparatedResting, testing::Range(0, shards));
 
 TEST(Separated, SampleCagesNest) {
   std::vector<Sample> all = sample_shapes(1e-4);
-  for (const auto& more : {large_sample_shapes(1e-4), flat_shapes(1e-4), large_flat_shapes(1e-4)}) {
+  for (const auto& more : {large_sample_shapes(1e-4), flat_shapes(1e-4), large_flat_shapes(1e-4), thin_shapes(1e-4)}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   for (const Sample& s : all) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/broadphase/twin_bodies.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 
 namespace encage::test {
@@ -11,45 +9,45 @@ using Vector = Eigen::Vector3d;
 
 namespace {
 
-void add_kinds(const Sample& sample, std::vector<Body>& all) {
+void add_kinds(const Sample& sample, double unit, std::vector<Body>& all) {
   all.emplace_back(sample);
   all.emplace_back(without_cages(sample));
   all.emplace_back(without_fine(sample));
   all.emplace_back(scaled(sample, -3));
   Sample moved = sample;
-  moved.hierarchy.origin = Vector(10'000, -2'500.25, 0.375);
+  moved.hierarchy.origin = Vector(10'000, -2'500.25, 0.375) * unit;
   all.emplace_back(moved);
 }
 
 using MakeSamples = std::vector<Sample>(double jitter);
 
-std::vector<Body> all_kinds(MakeSamples* make_shapes, MakeSamples* make_sheets) {
+std::vector<Body> all_kinds(const std::vector<MakeSamples*>& makers, int exponent) {
   std::vector<Body> all;
   for (const double jitter : {0.0, 1e-4}) {
-    for (const Sample& sample : make_shapes(jitter)) add_kinds(sample, all);
-    for (const Sample& sample : make_sheets(jitter)) add_kinds(sample, all);
+    for (MakeSamples* make : makers) {
+      for (const Sample& sample : make(jitter)) add_kinds(scaled(sample, exponent), std::ldexp(1.0, exponent), all);
+    }
   }
   return all;
 }
 
 }  // namespace
 
-std::vector<Body> twin_bodies() { return all_kinds(sample_shapes, flat_shapes); }
+std::vector<Body> twin_bodies(int exponent) { return all_kinds({sample_shapes, flat_shapes, thin_shapes}, exponent); }
 
-std::vector<Body> large_twin_bodies() { return all_kinds(large_sample_shapes, large_flat_shapes); }
+std::vector<Body> large_twin_bodies(int exponent) {
+  return all_kinds({large_sample_shapes, large_flat_shapes}, exponent);
+}
 
-void TwinFigures::record() const {
-  testing::Test::RecordProperty("rejected", rejected);
-  testing::Test::RecordProperty("asked", asked);
-  testing::Test::RecordProperty("contacts", contacts);
-  testing::Test::RecordProperty("far", far);
-  testing::Test::RecordProperty("far_kept", far_kept);
+Vector TwinRandom::point(double half) {
+  const double x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);
+  return {x, y, z};
 }
 
 Vector TwinRandom::direction() {
   Vector d;
   do {
-    d = Vector(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+    d = point(1);
   } while (d.norm() > 1 || d.norm() < 0.1);
   return d.normalized();
 }
@@ -57,8 +55,8 @@ Vector TwinRandom::direction() {
 Eigen::Isometry3d TwinRandom::pose() {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::AngleAxisd(uniform(0, 3.14), direction()).toRotationMatrix();
-  const double reach = std::array{1.0, 10.0, 10'000.0}[below(3)];
-  pose.translation() = Vector(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)) * reach;
+  const double reach = below(16) == 0 ? 1e6 : std::array{1.0, 10.0, 10'000.0}[below(3)];
+  pose.translation() = point(reach);
   if (below(8) == 0) pose.linear() *= 1 + uniform(-2.5e-10, 2.5e-10);
   return pose;
 }

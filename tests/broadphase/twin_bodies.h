@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// What the twin tests of separated() share: bodies, and random places where the answer is delicate.
+// What pair tests against brute force share: bodies, and random places where the answer is delicate.
 
 #include "tests/broadphase/body.h"
 
@@ -10,51 +10,53 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <cstdint>
 #include <random>
-#include <utility>
 #include <vector>
 
 namespace encage::test {
 
 /// Every kind of small body that the twin tests mix: with and without cages and fine
-/// mesh, with and without rounding of the fine mesh, large, small, far from 0.
-std::vector<Body> twin_bodies();
+/// mesh, with and without rounding of the fine mesh, large, small, far from 0. In a unit of 2^exponent.
+std::vector<Body> twin_bodies(int exponent = 0);
 
 /// The same kinds with 1,000 to 2,048 triangles.
-std::vector<Body> large_twin_bodies();
-
-/// A number from the environment, for longer runs by hand.
-inline int number_from(const char* variable, int usual) {
-  const char* text = std::getenv(variable);
-  return text ? std::atoi(text) : usual;
-}
-
-/// How much a twin test attacks, and what share of rejects it saw.
-struct TwinFigures {
-  int rejected = 0;  ///< proven apart
-  int asked = 0;     ///< pairs of which the figures below tell
-  int contacts = 0;  ///< that truly touch (or come within the margin, at rest) or are contained
-  int far = 0;       ///< farther than margin + 1 % of the larger diagonal, of `shows_rate` pairs
-  int far_kept = 0;  ///< of these, not proven apart
-
-  /// As properties of the test.
-  void record() const;
-};
+std::vector<Body> large_twin_bodies(int exponent = 0);
 
 /// The rate of rejects is asked where the fine meshes are there and both interiors known.
 inline bool shows_rate(const Body& a, const Body& b) { return a.solid() && b.solid() && a.has_fine() && b.has_fine(); }
 
+/// Steele et al. 2014, "Fast splittable pseudorandom number generators": a generator for every pair costs nothing.
+class SplitMix {
+ public:
+  using result_type = std::uint64_t;
+  explicit SplitMix(std::uint64_t seed) : state_(seed) {}
+  static constexpr result_type min() { return 0; }
+  static constexpr result_type max() { return ~std::uint64_t{0}; }
+  result_type operator()() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
+    z = (z ^ z >> 27) * 0x94d049bb133111eb;
+    return z ^ z >> 31;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
 /// Random numbers, poses and margins; one seed, one sequence.
 class TwinRandom {
  public:
-  explicit TwinRandom(unsigned seed) : engine_(seed) {}
+  explicit TwinRandom(std::uint64_t seed) : engine_(seed) {}
 
   unsigned below(unsigned count) { return static_cast<unsigned>(engine_() % count); }
+  bool coin() { return below(2) == 0; }
   const Body& one_of(const std::vector<Body>& bodies) { return bodies[below(static_cast<unsigned>(bodies.size()))]; }
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
   Eigen::Vector3d direction();
-  /// Up to 1e4 from the origin; some drift from rigid like poses integrated without care, up to what is accepted.
+  /// In [-half, half]^3.
+  Eigen::Vector3d point(double half);
+  /// Up to 1e6 from the origin; some drift from rigid like poses integrated without care, up to what is accepted.
   Eigen::Isometry3d pose();
   /// 0 twice in three times, else 0.3 to 1e-8 of a's size, of which what is far beyond b's does not count.
   double margin(const Body& a, const Body& b) {
@@ -87,7 +89,7 @@ class TwinRandom {
   }
 
  private:
-  std::minstd_rand engine_;
+  SplitMix engine_;
 };
 
 }  // namespace encage::test
