@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <encage/world.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bench/micro/benches.h"
+#include "broadphase/box_tree.h"
+#include "broadphase/shape.h"
+#include "tests/shapes.h"
+
+namespace encage::micro {
+namespace {
+
+/// `count` bodies in a cube, so dense that each one's box meets a few others; two places for each, a step apart.
+std::vector<Motion> crowd(std::int64_t count, double radius) {
+  shapes::Random random(4);
+  const double half = 1.2 * radius * std::cbrt(static_cast<double>(count));
+  std::vector<Motion> motions;
+  for (std::int64_t i = 0; i < count; ++i) {
+    Motion m;
+    m.start.linear() = Eigen::AngleAxisd(random(-3, 3), random.point(1).normalized()).toRotationMatrix();
+    m.start.translation() = random.point(half);
+    m.end = m.start;
+    m.end.translation() += random.point(0.02 * radius);
+    motions.push_back(m);
+  }
+  return motions;
+}
+
+FloatBox box_at(const Eigen::Vector3d& centre, double half) {
+  return FloatBox::around({(centre.array() - half).matrix(), (centre.array() + half).matrix()});
+}
+
+/// All leaves move, some out of their boxes; then the pairs. Items are bodies.
+void box_tree(benchmark::State& state) {
+  const std::vector<Motion> motions = crowd(state.range(0), 1);
+  BoxTree tree;
+  std::vector<BoxTree::Leaf> leaves;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    leaves.push_back(tree.insert(box_at(motions[i].start.translation(), 0.6), static_cast<std::uint32_t>(i)));
+  }
+  tree.clear_moved();
+  std::int64_t pairs = 0;
+  bool back = false;
+  for (auto _ : state) {
+    back = !back;
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      const Eigen::Vector3d& at = (back ? motions[i].end : motions[i].start).translation();
+      tree.update(leaves[i], box_at(at, 0.6), box_at(at, 0.605));
+    }
+    tree.query_moved_pairs(0, [&](std::uint32_t, std::uint32_t) { ++pairs; });
+    tree.clear_moved();
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+  state.counters["pairs"] = benchmark::Counter(static_cast<double>(pairs), benchmark::Counter::kAvgIterations);
+}
+
+/// Every body gets a new motion, then all pairs are found whose world boxes are not apart. Items are bodies.
+void collect(benchmark::State& state, const ShapePtr& shape) {
+  const std::vector<Motion> motions = crowd(state.range(0), shape->radius);
+  World world;
+  const ShapeId id = world.add_shape(shape);
+  std::vector<BodyId> bodies;
+  for (const Motion& m : motions) bodies.push_back(world.add_body(id, m.start));
+  CandidateOptions options;
+  options.pair.cages = options.pair.fine = false;
+  std::int64_t pairs = 0;
+  bool back = false;
+  for (auto _ : state) {
+    back = !back;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const Motion& m = motions[i];
+      world.set_motion(bodies[i], back ? m : Motion{m.end, m.start});
+    }
+    pairs += world.find_candidates(options, [](const CandidatePair&) {}).candidates;
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+  state.counters["pairs"] = benchmark::Counter(static_cast<double>(pairs), benchmark::Counter::kAvgIterations);
+}
+
+}  // namespace
+
+void add_worlds(const Workload& w) {
+  benchmark::RegisterBenchmark("stage/box_tree", box_tree)->Arg(100)->Arg(1'000)->Arg(10'000);
+  benchmark::RegisterBenchmark("stage/world_collect", [&w](benchmark::State& state) { collect(state, w.shape); })
+      ->Arg(100)
+      ->Arg(1'000)
+      ->Arg(10'000);
+}
+
+}  // namespace encage::micro
