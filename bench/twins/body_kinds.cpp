@@ -16,8 +16,7 @@ namespace {
 
 bool rejected(const Scene& scene) { return scene.ask().separated; }
 
-/// The rate of rejects is asked where the fine meshes are there, interiors known, and numbers in range.
-bool shows_rate(const Scene& scene) { return test::shows_rate(*scene.a, *scene.b) && scene.unit < 0x1p90; }
+bool shows_rate(const Scene& scene) { return test::shows_rate(*scene.a, *scene.b) && scene.well_conditioned(); }
 
 /// What a wrong reject tells.
 std::string verdict_text(const Scene& scene) {
@@ -131,7 +130,8 @@ class CandidatePairs : public PairKind {
     outcome.missed = truth.near_triangles_but(known);
     if (!outcome.sampled) return;
     outcome.truth = truth.surface_truth();
-    outcome.far = outcome.truth == Truth::apart && scene.unit < 0x1p90 && truth.surfaces_farther(scene.one_per_cent());
+    outcome.far =
+        outcome.truth == Truth::apart && scene.well_conditioned() && truth.surfaces_farther(scene.one_per_cent());
   }
 
   static void compare(const RestingTruth& truth, const std::vector<bool>& known, Outcome& outcome, const Scene& scene) {
@@ -144,7 +144,7 @@ class CandidatePairs : public PairKind {
     outcome.truth = truth.surfaces_near(0)              ? Truth::touching
                     : truth.surfaces_near(scene.margin) ? Truth::within_margin
                                                         : Truth::apart;
-    outcome.far = outcome.truth == Truth::apart && scene.unit < 0x1p90 && truth.farther(scene.one_per_cent());
+    outcome.far = outcome.truth == Truth::apart && scene.well_conditioned() && truth.farther(scene.one_per_cent());
   }
 
   Scenes scenes_{Scenes::Bodies::with_fine_mesh, true};

@@ -65,7 +65,8 @@ class ContactPairs : public PairKind {
     if (!outcome.sampled) return;
     outcome.truth = latest <= 1 ? Truth::touching : truth.surface_truth();
     // With an arc, contact may be far from where the lines lead.
-    outcome.far = outcome.truth == Truth::apart && truth.surfaces_farther(0.03 * scene.size());
+    outcome.far =
+        outcome.truth == Truth::apart && scene.well_conditioned() && truth.surfaces_farther(0.03 * scene.size());
   }
 
   Scenes scenes_{Scenes::Bodies::with_fine_mesh, false};
