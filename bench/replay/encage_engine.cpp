@@ -3,27 +3,44 @@
 
 #include <utility>
 
+#include "bench/replay/box_pairs.h"
+
 namespace encage::replay {
+namespace {
 
-EncageEngine::EncageEngine(ShapePtr shape) : shape_(std::move(shape)) {}
+class EncageEngine : public Engine {
+ public:
+  explicit EncageEngine(ShapePtr shape) : shape_(std::move(shape)) {}
 
-std::vector<BodyPair> EncageEngine::touching(const PoseStep& step, const CageGate* gate) {
-  PairOptions options;
-  options.boxes = false;
-  options.cages = gate != nullptr;
-  if (gate) options.finest_cage = options.coarsest_cage = gate->level();
-  std::vector<BodyPair> pairs;
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const BodyPose& body : step.bodies) boxes.push_back(world_box(*shape_, Motion::resting(body.pose)));
-  for (std::size_t i = 0; i < step.bodies.size(); ++i) {
-    for (std::size_t j = i + 1; j < step.bodies.size(); ++j) {
-      if (!boxes[i].intersects(boxes[j])) continue;
-      const Motion a = Motion::resting(step.bodies[i].pose), b = Motion::resting(step.bodies[j].pose);
-      if (separated(*shape_, a, *shape_, b, options).separated) continue;
-      pairs.push_back({step.bodies[i].body, step.bodies[j].body});
+  std::string name() const override { return "encage"; }
+  bool gains_from(const Gate& gate) const override { return dynamic_cast<const FineGate*>(&gate) == nullptr; }
+
+  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+    PairOptions options;
+    options.boxes = options.cages = false;
+    if (const auto* cages = dynamic_cast<const CageGate*>(gate)) {
+      options.cages = true;
+      options.finest_cage = options.coarsest_cage = cages->level();
+      gate = nullptr;
     }
+    std::vector<BodyPair> pairs;
+    for (const auto& [i, j] : boxes_.overlaps(*shape_, step)) {
+      const BodyPose& a = step.bodies[i];
+      const BodyPose& b = step.bodies[j];
+      if (gate && gate->separated(a, b)) continue;
+      const Motion motion_a = Motion::resting(a.pose), motion_b = Motion::resting(b.pose);
+      if (!separated(*shape_, motion_a, *shape_, motion_b, options).separated) pairs.push_back({a.body, b.body});
+    }
+    return pairs;
   }
-  return pairs;
-}
+
+ private:
+  ShapePtr shape_;
+  BoxPairs boxes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_encage_engine(ShapePtr shape) { return std::make_unique<EncageEngine>(std::move(shape)); }
 
 }  // namespace encage::replay

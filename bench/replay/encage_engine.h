@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+
 #include "bench/replay/engine.h"
 
 namespace encage::replay {
 
-/// Encage itself: boxes, the gate's cages if there is one, body-frame trees. What it cannot prove apart touches.
-class EncageEngine : public Engine {
- public:
-  explicit EncageEngine(ShapePtr shape);
-
-  std::string name() const override { return "encage"; }
-  std::vector<BodyPair> touching(const PoseStep& step, const CageGate* gate) override;
-
- private:
-  ShapePtr shape_;
-};
+/// Encage itself: world boxes, body-frame trees; what it cannot prove apart touches. The cages of a
+/// CageGate are asked within the same call as the trees.
+std::unique_ptr<Engine> make_encage_engine(ShapePtr shape);
 
 }  // namespace encage::replay

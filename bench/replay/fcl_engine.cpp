@@ -7,49 +7,15 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace encage::replay {
+namespace {
 
-struct FclEngine::Bodies {
-  using Model = fcl::BVHModel<fcl::OBBRSSd>;
-
-  struct Query {
-    const CageGate* gate;
-    std::vector<BodyPair> pairs;
-  };
-
-  std::shared_ptr<Model> model = std::make_shared<Model>();
-  std::map<std::int32_t, std::unique_ptr<fcl::CollisionObjectd>> objects;  // by body number; user data: its key
-  std::vector<fcl::CollisionObjectd*> present;                             // in `manager`
-  fcl::DynamicAABBTreeCollisionManagerd manager;
-
-  void place(const BodyPose& body) {
-    std::unique_ptr<fcl::CollisionObjectd>& object = objects[body.body];
-    if (!object) {
-      object = std::make_unique<fcl::CollisionObjectd>(model);
-      object->setUserData(const_cast<std::int32_t*>(&objects.find(body.body)->first));
-    }
-    object->setTransform(body.pose);
-    object->computeAABB();
-  }
-
-  static bool visit(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
-    Query& query = *static_cast<Query*>(data);
-    if (query.gate && query.gate->separated(a->getTransform(), b->getTransform())) return false;
-    const fcl::CollisionRequestd request;
-    fcl::CollisionResultd result;
-    if (fcl::collide(a, b, request, result) > 0) {
-      const auto number = [](const fcl::CollisionObjectd* o) { return *static_cast<std::int32_t*>(o->getUserData()); };
-      const auto [low, high] = std::minmax({number(a), number(b)});
-      query.pairs.push_back({low, high});
-    }
-    return false;
-  }
-};
-
-FclEngine::FclEngine(const TriangleMesh& mesh) : bodies_(std::make_unique<Bodies>()) {
-  Bodies::Model& model = *bodies_->model;
-  model.beginModel(static_cast<int>(mesh.triangles.rows()), static_cast<int>(mesh.vertices.rows()));
+template <class Volume>
+std::shared_ptr<fcl::BVHModel<Volume>> make_model(const TriangleMesh& mesh) {
+  auto model = std::make_shared<fcl::BVHModel<Volume>>();
+  model->beginModel(static_cast<int>(mesh.triangles.rows()), static_cast<int>(mesh.vertices.rows()));
   std::vector<fcl::Vector3d> vertices;
   for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) vertices.push_back(mesh.vertex(v));
   std::vector<fcl::Triangle> triangles;
@@ -57,30 +23,73 @@ FclEngine::FclEngine(const TriangleMesh& mesh) : bodies_(std::make_unique<Bodies
     const auto corner = [&](int k) { return static_cast<std::size_t>(mesh.triangles(t, k)); };
     triangles.emplace_back(corner(0), corner(1), corner(2));
   }
-  model.addSubModel(vertices, triangles);
-  model.endModel();
+  model->addSubModel(vertices, triangles);
+  model->endModel();
+  return model;
 }
 
-FclEngine::~FclEngine() = default;
+template <class Volume>
+class FclEngine : public Engine {
+ public:
+  FclEngine(const TriangleMesh& mesh, std::string name) : name_(std::move(name)), model_(make_model<Volume>(mesh)) {}
 
-std::vector<BodyPair> FclEngine::touching(const PoseStep& step, const CageGate* gate) {
-  std::vector<fcl::CollisionObjectd*> present;
-  for (const BodyPose& body : step.bodies) {
-    bodies_->place(body);
-    present.push_back(bodies_->objects.at(body.body).get());
+  std::string name() const override { return name_; }
+
+  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+    std::vector<fcl::CollisionObjectd*> present;
+    for (const BodyPose& body : step.bodies) present.push_back(place(body));
+    if (present != present_) {
+      manager_.clear();
+      manager_.registerObjects(present);
+      manager_.setup();
+      present_ = present;
+    } else {
+      manager_.update(present);
+    }
+    Query query{gate, {}};
+    manager_.collide(&query, visit);
+    std::sort(query.pairs.begin(), query.pairs.end());
+    return std::move(query.pairs);
   }
-  if (present != bodies_->present) {
-    bodies_->manager.clear();
-    bodies_->manager.registerObjects(present);
-    bodies_->manager.setup();
-    bodies_->present = present;
-  } else {
-    bodies_->manager.update(present);
+
+ private:
+  struct Query {
+    const Gate* gate;
+    std::vector<BodyPair> pairs;
+  };
+
+  fcl::CollisionObjectd* place(const BodyPose& body) {
+    std::unique_ptr<fcl::CollisionObjectd>& object = objects_[body.body];
+    if (!object) object = std::make_unique<fcl::CollisionObjectd>(model_);
+    object->setUserData(const_cast<BodyPose*>(&body));
+    object->setTransform(body.pose);
+    object->computeAABB();
+    return object.get();
   }
-  Bodies::Query query{gate, {}};
-  bodies_->manager.collide(&query, Bodies::visit);
-  std::sort(query.pairs.begin(), query.pairs.end());
-  return std::move(query.pairs);
+
+  static bool visit(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
+    Query& query = *static_cast<Query*>(data);
+    const BodyPose& body_a = *static_cast<const BodyPose*>(a->getUserData());
+    const BodyPose& body_b = *static_cast<const BodyPose*>(b->getUserData());
+    if (query.gate && query.gate->separated(body_a, body_b)) return false;
+    const fcl::CollisionRequestd request;
+    fcl::CollisionResultd result;
+    if (fcl::collide(a, b, request, result) > 0) query.pairs.push_back(make_pair(body_a.body, body_b.body));
+    return false;
+  }
+
+  std::string name_;
+  std::shared_ptr<fcl::BVHModel<Volume>> model_;
+  std::map<std::int32_t, std::unique_ptr<fcl::CollisionObjectd>> objects_;  // by body number; user data: its pose
+  std::vector<fcl::CollisionObjectd*> present_;                             // in manager_
+  fcl::DynamicAABBTreeCollisionManagerd manager_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_fcl_engine(const TriangleMesh& mesh, FclVolume volume) {
+  if (volume == FclVolume::obb) return std::make_unique<FclEngine<fcl::OBBd>>(mesh, "fcl_obb");
+  return std::make_unique<FclEngine<fcl::OBBRSSd>>(mesh, "fcl");
 }
 
 }  // namespace encage::replay

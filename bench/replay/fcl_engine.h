@@ -3,27 +3,19 @@
 
 #include <encage/mesh.h>
 
+#include <cstdint>
 #include <memory>
 
 #include "bench/replay/engine.h"
 
 namespace encage::replay {
 
-/// FCL with oriented boxes and rectangle swept spheres (OBBRSS), the best of its
-/// volumes for meshes at rest; its tree built once, its dynamic box tree as broad phase, its collide() for
-/// one contact. Surfaces only: a body inside another one does not touch it.
-class FclEngine : public Engine {
- public:
-  /// `mesh` in the body frame.
-  explicit FclEngine(const TriangleMesh& mesh);
-  ~FclEngine() override;
+/// What FCL bounds triangles with: oriented boxes, alone (`fcl_obb`) or with rectangle swept spheres (`fcl`).
+enum class FclVolume : std::uint8_t { obbrss, obb };
 
-  std::string name() const override { return "fcl"; }
-  std::vector<BodyPair> touching(const PoseStep& step, const CageGate* gate) override;
-
- private:
-  struct Bodies;
-  std::unique_ptr<Bodies> bodies_;
-};
+/// FCL: its tree in the body frame, built once; its dynamic box tree as broad phase; its collide() for
+/// one contact, which ends at the first. The gate is asked in the broad phase's callback.
+/// Surfaces only: a body inside another one does not touch it. `mesh` in the body frame.
+std::unique_ptr<Engine> make_fcl_engine(const TriangleMesh& mesh, FclVolume volume);
 
 }  // namespace encage::replay

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// encage-replay: recorded poses through collision engines, alone and behind Encage's cage test.
+// encage-replay: recorded poses through collision engines, alone and behind Encage's tests.
 
 #include <encage/error.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/replay/encage_engine.h"
-#include "bench/replay/fcl_engine.h"
+#include "bench/replay/continuous.h"
+#include "bench/replay/engines.h"
+#include "bench/replay/exact_touch.h"
 #include "bench/replay/mesh_shape.h"
 #include "bench/replay/replay.h"
+#include "bench/replay/report.h"
+#include "bench/tank/recorded_poses.h"
 #include "cagegen/tool/interrupt.h"
 #include "cagegen/tool/output_file.h"
 #include "cagegen/tool/program.h"
@@ -25,31 +28,50 @@ namespace encage::replay {
 namespace {
 
 constexpr const char* examples = R"(Examples:
-  encage-replay --mesh octopus.off --cages octopus.glb --poses bouncing.csv --every 10 --json replay.json
-      which pairs of octopuses touch at every tenth step, by every engine, alone and behind the cages
-  encage-replay --mesh octopus.off --poses bouncing.csv --engines encage,fcl
+  encage-replay --mesh octopus.off --cages octopus.glb --poses bouncing.csv --every 40 --json replay.json
+      which pairs of octopuses touch at every fortieth step, by every engine, alone and behind our tests
+  encage-replay --mesh octopus.off --poses bouncing.csv --engines encage,fcl --continuous
+      also how long Encage takes for the motion from each step to the next
+
+Columns: "/ Encage": how many times slower than Encage alone; "with cages", "with full": behind our cages or our whole
+test, and the gain; "perfect": behind a test that knows which pairs touch, and the gain, which no test can exceed;
+"missed", "spurious": against exact arithmetic.
 
 Exit status: 0 if all agree on the touching pairs, 1 if not, 2 for bad input or usage.)";
 
 struct Arguments {
   std::filesystem::path mesh, cages, poses, json;
-  std::vector<std::string> engines = {"encage", "fcl"};
+  std::vector<std::string> engines = {"encage", "fcl", "fcl_obb", "bullet", "ode", "embree"};
+  std::vector<std::string> fronts = {"cages", "full"};
   std::int64_t every = 1;
   int runs = 3;
   int level = 0;
+  bool continuous = false;
 };
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+  return text;
+}
 
 void define(CLI::App& app, Arguments& a) {
   app.footer(examples);
   app.add_option("--mesh", a.mesh, "Mesh of all bodies")->required()->type_name("FILE");
-  app.add_option("--cages", a.cages, "Asset that encage bake made of the mesh; without, engines run alone")
-      ->type_name("FILE.glb");
+  app.add_option("--cages", a.cages, "Asset that encage bake made of the mesh")->type_name("FILE.glb");
   app.add_option("--poses", a.poses, "Poses of the bodies, step by step")->required()->type_name("FILE.csv");
-  app.add_option("--engines", a.engines, "Engines, separated by commas")
+  app.add_option("--engines", a.engines, "Engines, separated by commas; embree: both ways to update its trees")
       ->delimiter(',')
-      ->check(CLI::IsMember({"encage", "fcl"}).description(""))
-      ->capture_default_str()
-      ->type_name("encage,fcl");
+      ->check(CLI::IsMember(engine_names()).description(""))
+      ->default_str(joined(a.engines))
+      ->type_name(joined(engine_names()));
+  app.add_option("--front", a.fronts,
+                 "What is asked before an engine: Encage's cages, or its full test; none: neither. Cages need --cages")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"cages", "full", "none"}).description(""))
+      ->default_str(joined(a.fronts))
+      ->type_name("cages,full,none");
+  app.add_flag("--continuous", a.continuous, "Also Encage's continuous detection, from each step to the next one");
   app.add_option("--every", a.every, "Take every K-th step only")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}).description(""))
       ->type_name("K");
@@ -63,54 +85,43 @@ void define(CLI::App& app, Arguments& a) {
   app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
 }
 
-std::unique_ptr<Engine> make_engine(const std::string& name, const Body& body) {
-  if (name == "encage") return std::make_unique<EncageEngine>(body.shape);
-  return std::make_unique<FclEngine>(body.mesh);
-}
-
-std::vector<PoseStep> steps_of(const Arguments& a) {
-  const std::vector<PoseStep> all = read_poses(a.poses);
+std::vector<PoseStep> thinned(const std::vector<PoseStep>& all, std::int64_t every) {
   std::vector<PoseStep> steps;
-  for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(a.every)) steps.push_back(all[i]);
+  for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(every)) steps.push_back(all[i]);
   return steps;
 }
 
-nlohmann::ordered_json to_json(const Arguments& a, const Replay& replay) {
-  nlohmann::ordered_json json = {{"mesh", a.mesh.string()}, {"poses", a.poses.string()}, {"steps", replay.steps}};
-  if (!a.cages.empty()) json["cage_level"] = a.level;
-  for (const EngineResult& engine : replay.engines) {
-    json["engines"][engine.name] = {{"ms_per_step", engine.ms_per_step}, {"touching_pairs", engine.touching}};
-    if (engine.with_cages_ms) json["with_cages"][engine.name] = {{"ms_per_step", *engine.with_cages_ms}};
+/// Tests of ours that there are.
+class Fronts {
+ public:
+  Fronts(const Arguments& a, const Body& body) : cages_(body.shape, a.level), full_(body.shape) {
+    const auto asked = [&](const char* name) { return std::count(a.fronts.begin(), a.fronts.end(), name) > 0; };
+    if (asked("cages") && !a.cages.empty()) list_.push_back({"cages", &cages_});
+    if (asked("full")) list_.push_back({"full", &full_});
   }
-  json["disagreements"] = replay.disagreements.size();
-  json["disagreeing_pairs"] = nlohmann::ordered_json::array();
-  for (const Disagreement& d : replay.disagreements) {
-    json["disagreeing_pairs"].push_back(
-        {{"step", d.step}, {"body_a", d.pair.a}, {"body_b", d.pair.b}, {"touching", d.touching}});
-  }
-  return json;
+  Fronts(const Fronts&) = delete;
+  Fronts& operator=(const Fronts&) = delete;
+
+  const std::vector<Front>& list() const { return list_; }
+
+ private:
+  CageGate cages_;
+  FineGate full_;
+  std::vector<Front> list_;
+};
+
+void check_level(const Arguments& a, const Body& body) {
+  if (a.cages.empty() || a.level < body.levels) return;
+  throw Error("--cage-level " + std::to_string(a.level) + ": there are only " + std::to_string(body.levels) +
+              " levels");
 }
 
-void print(const Arguments& a, const Replay& replay) {
-  std::cout << a.poses.string() << ": " << replay.steps << " steps, one thread\n\n"
-            << "engine          ms/step   with cages    ratio   touching pairs\n";
-  for (const EngineResult& engine : replay.engines) {
-    std::array<char, 128> line;
-    const double with = engine.with_cages_ms.value_or(0);
-    std::snprintf(line.data(), line.size(), "%-10s %12.4f %12.4f %8.3f %16lld\n", engine.name.c_str(),
-                  engine.ms_per_step, with, with > 0 ? engine.ms_per_step / with : 0,
-                  static_cast<long long>(engine.touching));
-    std::cout << line.data();
+std::vector<std::unique_ptr<Engine>> all_engines(const Arguments& a, const Body& body) {
+  std::vector<std::unique_ptr<Engine>> engines;
+  for (const std::string& name : a.engines) {
+    for (std::unique_ptr<Engine>& engine : make_engines(name, body)) engines.push_back(std::move(engine));
   }
-}
-
-// On stderr: it is why the status is not 0.
-void print_disagreements(const std::vector<Disagreement>& disagreements) {
-  for (const Disagreement& d : disagreements) {
-    std::cerr << "encage-replay: step " << d.step << ", bodies " << d.pair.a << " and " << d.pair.b << " touch only by";
-    for (const std::string& name : d.touching) std::cerr << ' ' << name;
-    std::cerr << '\n';
-  }
+  return engines;
 }
 
 int run(const Arguments& a) {
@@ -118,24 +129,40 @@ int run(const Arguments& a) {
   for (const auto& read : {a.mesh, a.cages, a.poses}) {
     if (!a.json.empty()) tool::check_output(a.json, read);
   }
-  const std::vector<PoseStep> steps = steps_of(a);
+  const std::vector<PoseStep> poses = read_poses(a.poses);
+  std::optional<tank::Recording> recording;
+  if (a.continuous) recording = tank::recording_of(poses, 1, a.every, a.poses.string());
   const Body body = load_body(a.mesh, a.cages);
-  if (!a.cages.empty() && a.level >= body.levels) {
-    throw Error("--cage-level " + std::to_string(a.level) + ": there are only " + std::to_string(body.levels) +
-                " levels");
-  }
-  std::vector<std::unique_ptr<Engine>> engines;
-  for (const std::string& name : a.engines) engines.push_back(make_engine(name, body));
-  const CageGate gate(body.shape, a.level);
+  check_level(a, body);
+  const Fronts fronts(a, body);
 
   tool::Progress progress = tool::Progress::on_stderr();
-  const Replay result = replay(engines, a.cages.empty() ? nullptr : &gate, steps, a.runs, [&](double fraction) {
-    progress.update(fraction, "replaying");
-    tool::throw_if_interrupted();
-  });
-  if (!a.json.empty()) tool::write_json(a.json, to_json(a, result));
-  print(a, result);
-  print_disagreements(result.disagreements);
+  const auto report = [&](const char* what) {
+    return [&progress, what](double fraction) {
+      progress.update(fraction, what);
+      tool::throw_if_interrupted();
+    };
+  };
+  Question question{thinned(poses, a.every), {}, fronts.list(), a.runs};
+  const ExactTouch exact(body.mesh, body.closed);
+  for (const PoseStep& step : question.steps) {
+    question.truth.push_back(exact.touching(step));
+    report("exact arithmetic")(static_cast<double>(question.truth.size()) / static_cast<double>(question.steps.size()));
+  }
+  const Replay result = replay(all_engines(a, body), question, report("replaying"));
+  std::optional<Continuous> moving;
+  if (recording) moving = continuous(*body.shape, *recording, question.truth, a.runs, report("continuous"));
+
+  if (!a.json.empty()) {
+    nlohmann::ordered_json json = {{"mesh", a.mesh.string()}, {"poses", a.poses.string()}, {"every", a.every}};
+    if (!a.cages.empty()) json["cage_level"] = a.level;
+    json.update(to_json(result, moving));
+    tool::write_json(a.json, json);
+  }
+  std::cout << a.poses.string() << ": " << result.steps << " steps, one thread, median of " << a.runs << " runs\n\n";
+  print(std::cout, result, moving);
+  // On stderr: it is why the status is not 0.
+  print(std::cerr, "encage-replay: ", result.disagreements);
   return result.disagreements.empty() ? tool::success : tool::answer_is_no;
 }
 

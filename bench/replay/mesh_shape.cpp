@@ -47,6 +47,7 @@ Body load_body(const std::filesystem::path& mesh, const std::filesystem::path& c
     throw Error(cages.string() + ": holds cages of another mesh than " + mesh.string());
   if (hierarchy.fine.triangles.rows() == 0) throw Error(cages.string() + ": holds no fine mesh");
   body.shape = make_shape(hierarchy);
+  body.closed = source.solid != Solid::surface_only;
   body.levels = static_cast<int>(hierarchy.levels.size());
   return body;
 }

@@ -11,7 +11,8 @@ namespace encage::replay {
 struct Body {
   TriangleMesh mesh;  ///< body frame; with the caps, where the source was open
   ShapePtr shape;
-  int levels = 0;  ///< cages
+  int levels = 0;      ///< cages
+  bool closed = true;  ///< the mesh bounds a solid
 };
 
 /// Reads a mesh and, unless the path is empty, an asset with its cages and fine mesh. Throws Error, also if the asset

@@ -3,86 +3,133 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
-#include "bench/tank/cpu_clock.h"
+#include "bench/replay/step_times.h"
 
 namespace encage::replay {
 namespace {
 
-/// An engine, alone or behind the gate.
+constexpr const char* perfect = "perfect";
+
+/// An engine, alone or behind something.
 struct Contestant {
   Engine* engine;
-  const CageGate* gate;
-  std::string name;
-  std::vector<std::vector<double>> milliseconds;  // per step, of all runs
-  std::vector<std::vector<BodyPair>> answers;     // per step
+  std::string front;  // empty: alone
+  const Gate* gate;   // not for `perfect`, whose gate knows one step
+  StepTimes times;
+  std::vector<std::vector<BodyPair>> answers{};  // per step
+
+  std::string name() const { return front.empty() ? engine->name() : engine->name() + "+" + front; }
 };
 
-double mean_of_medians(std::vector<std::vector<double>> runs) {
-  double sum = 0;
-  for (std::vector<double>& times : runs) {
-    const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-    std::nth_element(times.begin(), middle, times.end());
-    sum += *middle;
+std::vector<Contestant> contestants_of(Engine& engine, const Question& question) {
+  std::vector<Contestant> list;
+  const auto enter = [&](const std::string& front, const Gate* gate) {
+    list.push_back({&engine, front, gate, StepTimes(question.steps.size())});
+    list.back().answers.resize(question.steps.size());
+  };
+  enter("", nullptr);
+  for (const Front& front : question.fronts) {
+    if (engine.gains_from(*front.gate)) enter(front.name, front.gate);
   }
-  return runs.empty() ? 0 : sum / static_cast<double>(runs.size());
+  enter(perfect, nullptr);
+  return list;
 }
 
-void ask(Contestant& contestant, const std::vector<PoseStep>& steps, std::size_t i) {
-  const double start = tank::thread_cpu_seconds();
-  std::vector<BodyPair> answer = contestant.engine->touching(steps[i], contestant.gate);
-  contestant.milliseconds[i].push_back(1e3 * (tank::thread_cpu_seconds() - start));
-  contestant.answers[i] = std::move(answer);
+void ask(Contestant& contestant, const Question& question, std::size_t i) {
+  const PerfectGate knows(question.truth[i]);
+  const Gate* gate = contestant.front == perfect ? &knows : contestant.gate;
+  contestant.answers[i] =
+      contestant.times.time(i, [&] { return contestant.engine->touching(question.steps[i], gate); });
 }
 
-void find_disagreements(const std::vector<Contestant>& contestants, const std::vector<PoseStep>& steps, std::size_t i,
-                        std::vector<Disagreement>& disagreements) {
-  std::set<BodyPair> pairs;
-  for (const Contestant& contestant : contestants)
-    pairs.insert(contestant.answers[i].begin(), contestant.answers[i].end());
-  for (const BodyPair& pair : pairs) {
-    Disagreement disagreement{steps[i].step, pair, {}};
-    for (const Contestant& c : contestants) {
-      if (std::binary_search(c.answers[i].begin(), c.answers[i].end(), pair)) disagreement.touching.push_back(c.name);
+bool contains(const std::vector<BodyPair>& pairs, const BodyPair& pair) {
+  return std::binary_search(pairs.begin(), pairs.end(), pair);
+}
+
+/// Pairs of `of` that are not in `in`.
+std::int64_t count_missing(const std::vector<BodyPair>& of, const std::vector<BodyPair>& in) {
+  return std::count_if(of.begin(), of.end(), [&](const BodyPair& pair) { return !contains(in, pair); });
+}
+
+Answer summary(const Contestant& contestant, const Question& question) {
+  Answer answer{contestant.front, contestant.times.mean_of_medians()};
+  for (std::size_t i = 0; i < question.steps.size(); ++i) {
+    answer.touching += static_cast<std::int64_t>(contestant.answers[i].size());
+    answer.missed += count_missing(question.truth[i], contestant.answers[i]);
+    answer.spurious += count_missing(contestant.answers[i], question.truth[i]);
+  }
+  return answer;
+}
+
+EngineResult summary(const std::vector<Contestant>& contestants, const Question& question) {
+  EngineResult result;
+  result.name = contestants.front().engine->name();
+  for (const Contestant& contestant : contestants) {
+    const Answer answer = summary(contestant, question);
+    if (contestant.front.empty()) {
+      result.alone = answer;
+    } else if (contestant.front == perfect) {
+      result.perfect_ms = answer.ms_per_step;
+    } else {
+      result.behind.push_back(answer);
     }
-    if (disagreement.touching.size() < contestants.size()) disagreements.push_back(std::move(disagreement));
+  }
+  return result;
+}
+
+using Field = std::vector<std::vector<Contestant>>;  // per engine
+
+void find_disagreements(const Field& field, const Question& question, std::size_t i,
+                        std::vector<Disagreement>& disagreements) {
+  std::vector<const Contestant*> asked;
+  for (const std::vector<Contestant>& contestants : field) {
+    for (const Contestant& c : contestants) {
+      if (c.front != perfect) asked.push_back(&c);
+    }
+  }
+  std::set<BodyPair> pairs(question.truth[i].begin(), question.truth[i].end());
+  for (const Contestant* c : asked) pairs.insert(c->answers[i].begin(), c->answers[i].end());
+  for (const BodyPair& pair : pairs) {
+    Disagreement disagreement{question.steps[i].step, pair, contains(question.truth[i], pair), {}};
+    for (const Contestant* c : asked) {
+      if (contains(c->answers[i], pair)) disagreement.touching.push_back(c->name());
+    }
+    const std::size_t right =
+        disagreement.truth ? disagreement.touching.size() : asked.size() - disagreement.touching.size();
+    if (right < asked.size()) disagreements.push_back(std::move(disagreement));
   }
 }
 
 }  // namespace
 
-Replay replay(const std::vector<std::unique_ptr<Engine>>& engines, const CageGate* gate,
-              const std::vector<PoseStep>& steps, int runs, const std::function<void(double fraction)>& progress) {
-  std::vector<Contestant> contestants;
-  const auto enter = [&](Engine* engine, const CageGate* g, const std::string& name) {
-    contestants.push_back({engine, g, name, std::vector<std::vector<double>>(steps.size()),
-                           std::vector<std::vector<BodyPair>>(steps.size())});
-  };
-  for (const std::unique_ptr<Engine>& engine : engines) {
-    enter(engine.get(), nullptr, engine->name());
-    if (gate) enter(engine.get(), gate, engine->name() + "+cages");
-  }
-  for (int r = 0; r < runs; ++r) {
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      for (Contestant& contestant : contestants) ask(contestant, steps, i);
-      progress(static_cast<double>(r * steps.size() + i + 1) / static_cast<double>(runs * steps.size()));
+Replay replay(const std::vector<std::unique_ptr<Engine>>& engines, const Question& question,
+              const std::function<void(double fraction)>& progress) {
+  Field field;
+  for (const std::unique_ptr<Engine>& engine : engines) field.push_back(contestants_of(*engine, question));
+  std::size_t contestants = 0, asked = 0;
+  for (const std::vector<Contestant>& group : field) contestants += group.size();
+  const double questions = static_cast<double>(contestants * question.steps.size()) * question.runs;
+
+  in_turns(question.runs, question.steps.size(), [&](std::size_t first, std::size_t last) {
+    for (std::vector<Contestant>& group : field) {
+      for (Contestant& contestant : group) {
+        for (std::size_t i = first; i < last; ++i) {
+          ask(contestant, question, i);
+          progress(static_cast<double>(++asked) / questions);
+        }
+      }
     }
-  }
+  });
 
   Replay result;
-  result.steps = static_cast<std::int64_t>(steps.size());
-  for (const Contestant& contestant : contestants) {
-    const double ms = mean_of_medians(contestant.milliseconds);
-    if (contestant.gate) {
-      result.engines.back().with_cages_ms = ms;
-      continue;
-    }
-    EngineResult& engine = result.engines.emplace_back();
-    engine.name = contestant.name;
-    engine.ms_per_step = ms;
-    for (const auto& answer : contestant.answers) engine.touching += static_cast<std::int64_t>(answer.size());
+  result.steps = static_cast<std::int64_t>(question.steps.size());
+  for (const auto& pairs : question.truth) result.touching += static_cast<std::int64_t>(pairs.size());
+  for (const std::vector<Contestant>& group : field) result.engines.push_back(summary(group, question));
+  for (std::size_t i = 0; i < question.steps.size(); ++i) {
+    find_disagreements(field, question, i, result.disagreements);
   }
-  for (std::size_t i = 0; i < steps.size(); ++i) find_disagreements(contestants, steps, i, result.disagreements);
   return result;
 }
 

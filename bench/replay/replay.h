@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,30 +11,54 @@
 
 namespace encage::replay {
 
-struct EngineResult {
-  std::string name;
-  double ms_per_step = 0;               ///< CPU time of the one thread
-  std::optional<double> with_cages_ms;  ///< behind the gate
-  std::int64_t touching = 0;            ///< pairs, summed over the steps
+/// A test of ours in front of engines.
+struct Front {
+  std::string name;  ///< "cages", "full"
+  const Gate* gate = nullptr;
 };
 
-/// A pair on which the answers of a step differ.
+struct Question {
+  std::vector<PoseStep> steps;
+  std::vector<std::vector<BodyPair>> truth;  ///< the pairs that touch, per step, sorted
+  std::vector<Front> fronts;
+  int runs = 3;
+};
+
+/// An engine, alone or behind a test.
+struct Answer {
+  std::string front;          ///< empty: the engine alone
+  double ms_per_step = 0;     ///< CPU time of the one thread
+  std::int64_t touching = 0;  ///< pairs, summed over the steps
+  std::int64_t missed = 0;    ///< pairs that touch, but not by this answer
+  std::int64_t spurious = 0;  ///< pairs that touch by this answer only
+};
+
+struct EngineResult {
+  std::string name;
+  Answer alone;
+  std::vector<Answer> behind;  ///< each front
+  double perfect_ms = 0;       ///< behind a test that knows which pairs touch, and takes no time: the bound
+};
+
+/// A pair about which somebody is wrong.
 struct Disagreement {
   std::int64_t step = 0;
   BodyPair pair;
+  bool truth = false;
   std::vector<std::string> touching;  ///< who says that it touches, e.g. "fcl", "fcl+cages"
 };
 
 struct Replay {
   std::int64_t steps = 0;
+  std::int64_t touching = 0;  ///< pairs, truly, summed over the steps
   std::vector<EngineResult> engines;
   std::vector<Disagreement> disagreements;
 };
 
-/// Asks all engines about the same steps, each alone and, if there is a gate, behind it. In every one of
-/// `runs` runs, they take turns step by step; a step counts with its median time.
+/// Asks all engines about the same steps, each alone, behind every front that makes sense for it (FineGate is what
+/// Encage does itself), and behind PerfectGate. In every run they take turns (step_times.h).
 Replay replay(
-    const std::vector<std::unique_ptr<Engine>>& engines, const CageGate* gate, const std::vector<PoseStep>& steps,
-    int runs, const std::function<void(double fraction)>& progress = [](double) {});
+    const std::vector<std::unique_ptr<Engine>>& engines, const Question& question,
+    const std::function<void(double fraction)>& progress = [](double) {});
 
 }  // namespace encage::replay

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/replay/embree_engine.h"
+
+#include <embree3/rtcore.h>
+#include <encage/error.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "bench/replay/box_pairs.h"
+#include "cagegen/certify/exact.h"
+
+namespace encage::replay {
+namespace {
+
+struct Release {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using Device = std::unique_ptr<RTCDeviceTy, Release>;
+
+/// Vertices in columns, with a fourth coordinate for whole vector registers.
+using Points = Eigen::Matrix<float, 4, Eigen::Dynamic>;
+
+/// What all bodies share.
+struct Model {
+  TriangleMesh mesh;
+  Points points;      ///< of the mesh, fourth coordinate 1
+  double extent = 0;  ///< largest coordinate
+  Device device{rtcNewDevice("threads=1")};
+
+  void check() const {
+    if (!device || rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) throw Error("Embree failed");
+  }
+};
+
+/// A tree over the triangles of a body in some frame.
+class Tree {
+ public:
+  Tree(const Model& model, RTCSceneFlags flags, RTCBuildQuality quality)
+      : model_(model), scene_(rtcNewScene(model.device.get())) {
+    geometry_.reset(rtcNewGeometry(model.device.get(), RTC_GEOMETRY_TYPE_USER));
+    rtcSetGeometryUserPrimitiveCount(geometry_.get(), static_cast<unsigned>(model.mesh.triangles.rows()));
+    rtcSetGeometryUserData(geometry_.get(), this);
+    rtcSetGeometryBoundsFunction(geometry_.get(), bound, nullptr);
+    rtcSetGeometryBuildQuality(geometry_.get(), quality);
+    rtcAttachGeometry(scene_.get(), geometry_.get());
+    rtcSetSceneFlags(scene_.get(), flags);
+    rtcSetSceneBuildQuality(scene_.get(), quality == RTC_BUILD_QUALITY_REFIT ? RTC_BUILD_QUALITY_LOW : quality);
+  }
+
+  RTCScene scene() const { return scene_.get(); }
+
+  /// Moves the body and updates the tree.
+  void place(const Eigen::Isometry3d& pose) {
+    points_.noalias() = pose.matrix().cast<float>() * model_.points;
+    // Each coordinate takes 7 roundings of 2^-24 of what is summed up.
+    slack_ = static_cast<float>(0x1p-20 * (2 * model_.extent + pose.translation().cwiseAbs().maxCoeff()));
+    rtcCommitGeometry(geometry_.get());
+    rtcCommitScene(scene_.get());
+    model_.check();
+  }
+
+ private:
+  static void bound(const RTCBoundsFunctionArguments* arguments) {
+    const Tree& tree = *static_cast<const Tree*>(arguments->geometryUserPtr);
+    const std::int32_t* corner = tree.model_.mesh.triangles.data() + 3 * std::size_t{arguments->primID};
+    const Eigen::Array4f a = tree.points_.col(corner[0]), b = tree.points_.col(corner[1]),
+                         c = tree.points_.col(corner[2]);
+    const Eigen::Array4f low = a.min(b).min(c) - tree.slack_, high = a.max(b).max(c) + tree.slack_;
+    RTCBounds& box = *arguments->bounds_o;
+    box.lower_x = low[0], box.lower_y = low[1], box.lower_z = low[2];
+    box.upper_x = high[0], box.upper_y = high[1], box.upper_z = high[2];
+  }
+
+  const Model& model_;
+  std::unique_ptr<RTCSceneTy, Release> scene_;
+  std::unique_ptr<RTCGeometryTy, Release> geometry_;
+  Points points_;
+  float slack_ = 0;
+};
+
+/// One call of rtcCollide().
+struct Collision {
+  const TriangleMesh& mesh;
+  const Eigen::Isometry3d& pose_a;
+  const Eigen::Isometry3d& pose_b;
+  bool hit = false;
+
+  proof::Corners corners(const Eigen::Isometry3d& pose, unsigned triangle) const {
+    proof::Corners corners = proof::corners(mesh, static_cast<std::int32_t>(triangle));
+    for (proof::Point& corner : corners) corner = pose * corner;
+    return corners;
+  }
+
+  static void visit(void* data, RTCCollision* collisions, unsigned count) {
+    Collision& self = *static_cast<Collision*>(data);
+    for (unsigned k = 0; k < count && !self.hit; ++k) {
+      self.hit = proof::touch(self.corners(self.pose_a, collisions[k].primID0),
+                              self.corners(self.pose_b, collisions[k].primID1));
+    }
+  }
+};
+
+/// Root of a place in a forest of groups, the least of its group.
+std::size_t root_of(std::vector<std::size_t>& parent, std::size_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+class EmbreeEngine : public Engine {
+ public:
+  EmbreeEngine(const TriangleMesh& mesh, ShapePtr shape, EmbreeUpdate update)
+      : shape_(std::move(shape)), update_(update) {
+    model_.mesh = mesh;
+    model_.points.setOnes(4, mesh.vertices.rows());
+    model_.points.topRows(3) = mesh.vertices.transpose().cast<float>();
+    model_.extent = mesh.vertices.cwiseAbs().maxCoeff();
+    model_.check();
+    arena_.execute([&] {
+      resting_ = std::make_unique<Tree>(model_, RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_HIGH);
+      resting_->place(Eigen::Isometry3d::Identity());
+    });
+  }
+
+  std::string name() const override { return update_ == EmbreeUpdate::refit ? "embree_refit" : "embree_rebuild"; }
+
+  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+    std::vector<BodyPair> pairs;
+    arena_.execute([&] { find(step, gate, pairs); });
+    return pairs;
+  }
+
+ private:
+  void find(const PoseStep& step, const Gate* gate, std::vector<BodyPair>& pairs) {
+    const std::vector<BodyPose>& bodies = step.bodies;
+    BoxPairs::Places asked;
+    for (const auto& [i, j] : boxes_.overlaps(*shape_, step)) {
+      if (!gate || !gate->separated(bodies[i], bodies[j])) asked.emplace_back(i, j);
+    }
+    std::vector<std::size_t> root(bodies.size());
+    std::iota(root.begin(), root.end(), std::size_t{0});
+    for (const auto& [i, j] : asked) {
+      const std::size_t one = root_of(root, i), other = root_of(root, j);
+      root[std::max(one, other)] = std::min(one, other);
+    }
+    std::vector<Eigen::Isometry3d> poses(bodies.size());
+    std::vector<const Tree*> trees(bodies.size(), resting_.get());
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const std::size_t frame = root_of(root, i);
+      poses[i] = frame == i ? Eigen::Isometry3d::Identity() : bodies[frame].pose.inverse() * bodies[i].pose;
+      if (frame != i) trees[i] = &moved(bodies[i].body, poses[i]);
+    }
+    for (const auto& [i, j] : asked) {
+      Collision collision{model_.mesh, poses[i], poses[j]};
+      rtcCollide(trees[i]->scene(), trees[j]->scene(), Collision::visit, &collision);
+      if (collision.hit) pairs.push_back({bodies[i].body, bodies[j].body});
+    }
+  }
+
+  const Tree& moved(std::int32_t body, const Eigen::Isometry3d& pose) {
+    std::unique_ptr<Tree>& tree = trees_[body];
+    if (!tree) {
+      const bool refit = update_ == EmbreeUpdate::refit;
+      tree = std::make_unique<Tree>(model_, RTC_SCENE_FLAG_DYNAMIC,
+                                    refit ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_LOW);
+    }
+    tree->place(pose);
+    return *tree;
+  }
+
+  ShapePtr shape_;
+  EmbreeUpdate update_;
+  BoxPairs boxes_;
+  tbb::task_arena arena_{1};
+  Model model_;
+  std::unique_ptr<Tree> resting_;
+  std::map<std::int32_t, std::unique_ptr<Tree>> trees_;  // by body number
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_embree_engine(const TriangleMesh& mesh, ShapePtr shape, EmbreeUpdate update) {
+  return std::make_unique<EmbreeEngine>(mesh, std::move(shape), update);
+}
+
+}  // namespace encage::replay
