@@ -17,7 +17,7 @@
 #include "bench/replay/exact_touch.h"
 #include "bench/replay/mesh_shape.h"
 #include "bench/replay/replay.h"
-#include "bench/replay/report.h"
+#include "bench/replay/replay_report.h"
 #include "bench/tank/recorded_poses.h"
 #include "cagegen/tool/interrupt.h"
 #include "cagegen/tool/output_file.h"

@@ -18,9 +18,11 @@ class StepTimes {
   auto time(std::size_t step, const Task& task) {
     const double start = tank::thread_cpu_seconds();
     auto result = task();
-    milliseconds_[step].push_back(1e3 * (tank::thread_cpu_seconds() - start));
+    add(step, 1e3 * (tank::thread_cpu_seconds() - start));
     return result;
   }
+
+  void add(std::size_t step, double milliseconds) { milliseconds_[step].push_back(milliseconds); }
 
   /// Each step counts with its median.
   double mean_of_medians() const;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/replay/engine.h"
+#include "bench/replay/mesh_shape.h"
 #include "tests/broadphase/exact_pair.h"
 #include "tests/broadphase/sample_shapes.h"
 
@@ -57,24 +58,20 @@ inline std::vector<BodyPair> exact_pairs(const encage::test::Sample& sample, con
   return pairs;
 }
 
-/// The engine against exact arithmetic, alone and behind the gate.
-template <class MakeEngine>
-void expect_exact(const MakeEngine& make_engine) {
-  std::size_t touching = 0;
-  for (const char* name : {"star", "u", "torus"}) {
-    SCOPED_TRACE(name);
-    const encage::test::Sample body = sample(name);
-    const ShapePtr shape = make_shape(body.hierarchy);
-    const CageGate gate(shape, 0);
-    const auto engine = make_engine(body, shape);
-    for (const PoseStep& step : crowd(8)) {
-      const std::vector<BodyPair> expected = exact_pairs(body, step);
-      EXPECT_EQ(engine->touching(step, nullptr), expected) << "step " << step.step;
-      EXPECT_EQ(engine->touching(step, &gate), expected) << "step " << step.step << ", behind the gate";
-      touching += expected.size();
-    }
-  }
-  EXPECT_GT(touching, 30U);
+/// What engines are made of.
+inline Body body_of(const encage::test::Sample& sample) {
+  return {sample.hierarchy.fine, make_shape(sample.hierarchy), static_cast<int>(sample.hierarchy.levels.size()), true};
+}
+
+/// The same for a mesh without cages.
+inline Body body_of(const TriangleMesh& mesh) {
+  encage::test::Sample bare = encage::test::without_cages(sample("box"));
+  bare.hierarchy.fine = mesh;
+  return body_of(bare);
+}
+
+inline BodyPose body_at(std::int32_t number, double x, double y = 0, double z = 0) {
+  return {number, Eigen::Isometry3d(Eigen::Translation3d(x, y, z))};
 }
 
 }  // namespace encage::replay::test

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/bench/replay/bodies.h"
@@ -19,7 +20,7 @@ class Oracle : public Engine {
       : name_(std::move(name)), also_(also), blind_behind_gate_(blind_behind_gate) {}
 
   std::string name() const override { return name_; }
-  std::vector<BodyPair> touching(const PoseStep& step, const CageGate* gate) override {
+  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
     if (gate && blind_behind_gate_) return {};
     std::vector<BodyPair> pairs = {{0, 3}};
     if (step.step % also_ == 0) pairs.push_back({6, 9});
@@ -39,31 +40,56 @@ std::vector<std::unique_ptr<Engine>> engines_of(std::unique_ptr<Engine> a, std::
   return engines;
 }
 
+/// The truth: (0, 3) in every step, and (6, 9) in steps that 2 divides.
+Question question_of(int steps, int runs, std::vector<Front> fronts = {}) {
+  Question question{test::crowd(steps), {}, std::move(fronts), runs};
+  for (const PoseStep& step : question.steps) question.truth.push_back(Oracle("", 2).touching(step, nullptr));
+  return question;
+}
+
 TEST(Replay, AgreementOfAll) {
   const auto engines = engines_of(std::make_unique<Oracle>("one", 2), std::make_unique<Oracle>("two", 2));
-  const Replay result = replay(engines, nullptr, test::crowd(10), 3);
+  const Replay result = replay(engines, question_of(10, 3));
   EXPECT_EQ(result.steps, 10);
+  EXPECT_EQ(result.touching, 15);
   ASSERT_EQ(result.engines.size(), 2U);
   EXPECT_EQ(result.engines[1].name, "two");
-  EXPECT_EQ(result.engines[1].touching, 15);
-  EXPECT_FALSE(result.engines[1].with_cages_ms.has_value());
+  EXPECT_EQ(result.engines[1].alone.touching, 15);
+  EXPECT_TRUE(result.engines[1].behind.empty());
   EXPECT_TRUE(result.disagreements.empty());
 }
 
-TEST(Replay, ListsPairsOnWhichEnginesDiffer) {
-  const auto engines = engines_of(std::make_unique<Oracle>("one", 1), std::make_unique<Oracle>("two", 2));
-  const Replay result = replay(engines, nullptr, test::crowd(4), 1);
-  ASSERT_EQ(result.disagreements.size(), 2U);
-  EXPECT_EQ(result.disagreements[0].step, 11);
-  EXPECT_EQ(result.disagreements[0].pair, (BodyPair{6, 9}));
-  EXPECT_EQ(result.disagreements[0].touching, std::vector<std::string>{"one"});
+TEST(Replay, SaysWhoIsWrong) {
+  const auto engines = engines_of(std::make_unique<Oracle>("all", 1), std::make_unique<Oracle>("few", 20));
+  const Replay result = replay(engines, question_of(3, 1));
+  EXPECT_EQ(result.engines[0].alone.missed, 0);
+  EXPECT_EQ(result.engines[0].alone.spurious, 1);
+  EXPECT_EQ(result.engines[1].alone.missed, 2);
+  EXPECT_EQ(result.engines[1].alone.spurious, 0);
+  ASSERT_EQ(result.disagreements.size(), 3U);
+  EXPECT_EQ(result.disagreements[1].step, 11);
+  EXPECT_EQ(result.disagreements[1].pair, (BodyPair{6, 9}));
+  EXPECT_FALSE(result.disagreements[1].truth);
+  EXPECT_EQ(result.disagreements[1].touching, std::vector<std::string>{"all"});
+  EXPECT_TRUE(result.disagreements[2].truth);
 }
 
-TEST(Replay, ListsPairsThatAreLostBehindTheGate) {
+TEST(Replay, ListsWhatAllGetWrong) {
+  const auto engines = engines_of(std::make_unique<Oracle>("one", 20), std::make_unique<Oracle>("two", 20));
+  const Replay result = replay(engines, question_of(1, 1));
+  ASSERT_EQ(result.disagreements.size(), 1U);
+  EXPECT_TRUE(result.disagreements[0].truth);
+  EXPECT_TRUE(result.disagreements[0].touching.empty());
+}
+
+TEST(Replay, ListsPairsThatAreLostBehindAFront) {
   const CageGate gate(make_shape(test::sample("box").hierarchy), 0);
-  const auto engines = engines_of(std::make_unique<Oracle>("one", 5, true), std::make_unique<Oracle>("two", 5));
-  const Replay result = replay(engines, &gate, test::crowd(1), 1);
-  EXPECT_TRUE(result.engines[0].with_cages_ms.has_value());
+  const auto engines = engines_of(std::make_unique<Oracle>("one", 2, true), std::make_unique<Oracle>("two", 2));
+  const Replay result = replay(engines, question_of(1, 1, {{"cages", &gate}}));
+  ASSERT_EQ(result.engines[0].behind.size(), 1U);
+  EXPECT_EQ(result.engines[0].behind[0].front, "cages");
+  EXPECT_EQ(result.engines[0].behind[0].missed, 2);
+  EXPECT_EQ(result.engines[0].alone.missed, 0);
   ASSERT_EQ(result.disagreements.size(), 2U);
   EXPECT_EQ(result.disagreements[1].touching, (std::vector<std::string>{"one", "two", "two+cages"}));
 }
@@ -71,9 +97,9 @@ TEST(Replay, ListsPairsThatAreLostBehindTheGate) {
 TEST(Replay, ReportsProgress) {
   const auto engines = engines_of(std::make_unique<Oracle>("one", 1), std::make_unique<Oracle>("two", 1));
   std::vector<double> fractions;
-  replay(engines, nullptr, test::crowd(4), 2, [&](double fraction) { fractions.push_back(fraction); });
-  ASSERT_EQ(fractions.size(), 8U);
-  EXPECT_EQ(fractions.front(), 0.125);
+  replay(engines, question_of(4, 2), [&](double fraction) { fractions.push_back(fraction); });
+  ASSERT_EQ(fractions.size(), 32U);  // two engines, alone and behind what is perfect
+  EXPECT_EQ(fractions.front(), 1.0 / 32);
   EXPECT_EQ(fractions.back(), 1);
 }
 

@@ -6,6 +6,7 @@
 #include <encage/error.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "bench/replay/mesh_shape.h"
 #include "tests/cagegen/tool/meshes.h"
 #include "tests/cagegen/tool/run.h"
+#include "tests/shapes.h"
 
 namespace encage::test {
 namespace {
@@ -22,11 +24,8 @@ constexpr const char* header = "step,body,x,y,z,qx,qy,qz,qw\n";
 class ReplayTool : public testing::Test {
  protected:
   ReplayTool() {
-    const TriangleMesh ring = torus(24, 12);
-    folder.write("ring.obj", to_obj(ring));
-    BakeOptions options;
-    options.faces = {200};
-    write_asset(folder.path() / "ring.glb", bake(ring, options));
+    folder.write("ring.obj", to_obj(torus(24, 12)));
+    write_asset(folder.path() / "ring.glb", baked());
     // Linked rings that do not touch, one apart from them, and one that touches it in the second step.
     folder.write("poses.csv", std::string(header) +
                                   "0,0,0,0,0,0,0,0,1\n0,1,1,0,0,0.70710678118654752,0,0,0.70710678118654752\n"
@@ -34,8 +33,21 @@ class ReplayTool : public testing::Test {
                                   "1,2,9,0,0,0,0,0,1\n1,3,9,0.7,0.1,0,0,0,1\n");
   }
 
+  /// Once for all tests.
+  static const CageHierarchy& baked() {
+    static const CageHierarchy hierarchy = [] {
+      BakeOptions options;
+      options.faces = {200};
+      return bake(torus(24, 12), options);
+    }();
+    return hierarchy;
+  }
+
   RunResult replay(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {ENCAGE_REPLAY_BINARY, "--mesh", "ring.obj", "--poses", "poses.csv"});
+    arguments.insert(arguments.begin(), {ENCAGE_REPLAY_BINARY, "--mesh", "ring.obj"});
+    if (std::find(arguments.begin(), arguments.end(), "--poses") == arguments.end()) {
+      arguments.insert(arguments.end(), {"--poses", "poses.csv"});
+    }
     return run(arguments, folder.path());
   }
 
@@ -47,11 +59,15 @@ TEST_F(ReplayTool, AllEnginesAgree) {
   ASSERT_EQ(result.status, 0) << result.err;
   const auto json = nlohmann::json::parse(folder.read("replay.json"));
   EXPECT_EQ(json.at("steps"), 2);
+  EXPECT_EQ(json.at("touching_pairs"), 1);
   EXPECT_EQ(json.at("disagreements"), 0);
-  for (const char* engine : {"encage", "fcl"}) {
+  for (const char* engine : {"encage", "fcl", "fcl_obb", "bullet", "ode", "embree_refit", "embree_rebuild"}) {
     EXPECT_EQ(json.at("engines").at(engine).at("touching_pairs"), 1) << engine;
     EXPECT_GT(json.at("engines").at(engine).at("ms_per_step"), 0) << engine;
-    EXPECT_GT(json.at("with_cages").at(engine).at("ms_per_step"), 0) << engine;
+    EXPECT_EQ(json.at("with_cages").at(engine).at("touching_pairs"), 1) << engine;
+    EXPECT_GT(json.at("perfect").at(engine).at("speedup"), 0) << engine;
+    EXPECT_EQ(json.at("with_full").contains(engine), std::string(engine) != "encage") << engine;
+    EXPECT_NE(result.out.find(std::string("| ") + engine + " "), std::string::npos) << result.out;
   }
 }
 
@@ -61,13 +77,51 @@ TEST_F(ReplayTool, RunsWithoutCagesAndWithFewerEngines) {
   const auto json = nlohmann::json::parse(folder.read("replay.json"));
   EXPECT_EQ(json.at("engines").size(), 1U);
   EXPECT_FALSE(json.contains("with_cages"));
+  EXPECT_TRUE(json.contains("with_full"));
   EXPECT_EQ(json.at("steps"), 1);
+}
+
+TEST_F(ReplayTool, FrontsAreChosen) {
+  const RunResult result = replay({"--engines", "ode", "--cages", "ring.glb", "--front", "none", "--json", "r.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto json = nlohmann::json::parse(folder.read("r.json"));
+  EXPECT_FALSE(json.contains("with_cages"));
+  EXPECT_FALSE(json.contains("with_full"));
+}
+
+TEST_F(ReplayTool, ContinuousDetectionFindsTheContactOnTheWay) {
+  const RunResult result = replay({"--engines", "encage", "--continuous", "--json", "replay.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto json = nlohmann::json::parse(folder.read("replay.json")).at("continuous");
+  EXPECT_EQ(json.at("steps"), 1);
+  EXPECT_EQ(json.at("contacts"), 1);
+  EXPECT_EQ(json.at("pairs_left_out"), 0);
+  EXPECT_GT(json.at("ratio"), 0);
+  EXPECT_NE(result.out.find("Continuous"), std::string::npos) << result.out;
+}
+
+TEST_F(ReplayTool, SaysOfWhichPairTheEnginesDiffer) {
+  // A ball in a hollow ball: the solids overlap, but no surface touches another, which is all that FCL asks.
+  const TriangleMesh inner = shapes::sphere(2), outer = shapes::moved(shapes::scaled(inner, 2), {9, 0, 0});
+  folder.write("ring.obj", to_obj(shapes::joined(inner, outer)));
+  folder.write("poses.csv", std::string(header) + "7,0,0,0,0,0,0,0,1\n7,4,9,0,0,0,0,0,1\n");
+  const RunResult result = replay({"--engines", "encage,fcl", "--front", "none", "--json", "replay.json"});
+  EXPECT_EQ(result.status, 1) << result.err;
+  EXPECT_NE(result.err.find("step 7, bodies 0 and 4 touch, but only by encage\n"), std::string::npos) << result.err;
+  const auto json = nlohmann::json::parse(folder.read("replay.json"));
+  EXPECT_EQ(json.at("disagreements"), 1);
+  EXPECT_EQ(json.at("disagreeing_pairs").at(0).at("truth"), true);
+  EXPECT_EQ(json.at("engines").at("fcl").at("missed"), 1);
+  EXPECT_EQ(json.at("engines").at("encage").at("missed"), 0);
 }
 
 TEST_F(ReplayTool, RefusesBadInput) {
   folder.write("other.obj", to_obj(torus(20, 12)));
+  folder.write("one.csv", std::string(header) + "0,0,0,0,0,0,0,0,1\n");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"--engines", "magic"}, "--engines"},
+      {{"--front", "magic"}, "--front"},
+      {{"--continuous", "--every", "2", "--poses", "one.csv"}, "one.csv"},
       {{"--cages", "missing.glb"}, "missing.glb"},
       {{"--cages", "ring.glb", "--cage-level", "5"}, "--cage-level 5"},
       {{"--json", "poses.csv"}, "poses.csv"},

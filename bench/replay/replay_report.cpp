@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bench/replay/report.h"
+#include "bench/replay/replay_report.h"
 
 #include <algorithm>
 #include <cstdio>
