@@ -6,7 +6,8 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <map>
+#include <cstddef>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -72,9 +73,10 @@ class Tree {
     const Eigen::Array4f a = tree.points_.col(corner[0]), b = tree.points_.col(corner[1]),
                          c = tree.points_.col(corner[2]);
     const Eigen::Array4f low = a.min(b).min(c) - tree.slack_, high = a.max(b).max(c) + tree.slack_;
-    RTCBounds& box = *arguments->bounds_o;
-    box.lower_x = low[0], box.lower_y = low[1], box.lower_z = low[2];
-    box.upper_x = high[0], box.upper_y = high[1], box.upper_z = high[2];
+    // Three coordinates and a fourth that Embree does not read.
+    static_assert(offsetof(RTCBounds, upper_x) == sizeof(low));
+    std::memcpy(&arguments->bounds_o->lower_x, low.data(), sizeof(low));
+    std::memcpy(&arguments->bounds_o->upper_x, high.data(), sizeof(high));
   }
 
   const Model& model_;
@@ -150,10 +152,14 @@ class EmbreeEngine : public Engine {
     }
     std::vector<Eigen::Isometry3d> poses(bodies.size());
     std::vector<const Tree*> trees(bodies.size(), resting_.get());
+    std::size_t used = 0;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const std::size_t frame = root_of(root, i);
       poses[i] = frame == i ? Eigen::Isometry3d::Identity() : bodies[frame].pose.inverse() * bodies[i].pose;
-      if (frame != i) trees[i] = &moved(bodies[i].body, poses[i]);
+      if (frame == i) continue;
+      Tree& moved = tree(used++);
+      moved.place(poses[i]);
+      trees[i] = &moved;
     }
     for (const auto& [i, j] : asked) {
       Collision collision{model_.mesh, poses[i], poses[j]};
@@ -162,15 +168,14 @@ class EmbreeEngine : public Engine {
     }
   }
 
-  const Tree& moved(std::int32_t body, const Eigen::Isometry3d& pose) {
-    std::unique_ptr<Tree>& tree = trees_[body];
-    if (!tree) {
+  /// Any tree will do for any body, as they are copies of one mesh.
+  Tree& tree(std::size_t number) {
+    if (number == pool_.size()) {
       const bool refit = update_ == EmbreeUpdate::refit;
-      tree = std::make_unique<Tree>(model_, RTC_SCENE_FLAG_DYNAMIC,
-                                    refit ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_LOW);
+      pool_.push_back(std::make_unique<Tree>(model_, RTC_SCENE_FLAG_DYNAMIC,
+                                             refit ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_LOW));
     }
-    tree->place(pose);
-    return *tree;
+    return *pool_[number];
   }
 
   ShapePtr shape_;
@@ -179,7 +184,7 @@ class EmbreeEngine : public Engine {
   tbb::task_arena arena_{1};
   Model model_;
   std::unique_ptr<Tree> resting_;
-  std::map<std::int32_t, std::unique_ptr<Tree>> trees_;  // by body number
+  std::vector<std::unique_ptr<Tree>> pool_;
 };
 
 }  // namespace

@@ -39,6 +39,7 @@ const std::vector<Entry>& entries() {
       {"encage", [](const Body& body) { return one(make_encage_engine(body.shape)); }},
       {"fcl", [](const Body& body) { return one(make_fcl_engine(body.mesh, FclVolume::obbrss)); }},
       {"fcl_obb", [](const Body& body) { return one(make_fcl_engine(body.mesh, FclVolume::obb)); }},
+      {"fcl_float", [](const Body& body) { return one(make_fcl_engine(body.mesh, FclVolume::obbrss_float)); }},
       {"bullet", [](const Body& body) { return one(make_bullet_engine(body.mesh)); }},
       {"ode", [](const Body& body) { return one(make_ode_engine(body.mesh)); }},
       {"embree",

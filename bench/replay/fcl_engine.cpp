@@ -16,8 +16,8 @@ template <class Volume>
 std::shared_ptr<fcl::BVHModel<Volume>> make_model(const TriangleMesh& mesh) {
   auto model = std::make_shared<fcl::BVHModel<Volume>>();
   model->beginModel(static_cast<int>(mesh.triangles.rows()), static_cast<int>(mesh.vertices.rows()));
-  std::vector<fcl::Vector3d> vertices;
-  for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) vertices.push_back(mesh.vertex(v));
+  std::vector<fcl::Vector3<typename Volume::S>> vertices;
+  for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) vertices.push_back(mesh.vertex(v).cast<typename Volume::S>());
   std::vector<fcl::Triangle> triangles;
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
     const auto corner = [&](int k) { return static_cast<std::size_t>(mesh.triangles(t, k)); };
@@ -31,12 +31,15 @@ std::shared_ptr<fcl::BVHModel<Volume>> make_model(const TriangleMesh& mesh) {
 template <class Volume>
 class FclEngine : public Engine {
  public:
+  using Scalar = typename Volume::S;
+  using Object = fcl::CollisionObject<Scalar>;
+
   FclEngine(const TriangleMesh& mesh, std::string name) : name_(std::move(name)), model_(make_model<Volume>(mesh)) {}
 
   std::string name() const override { return name_; }
 
   std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
-    std::vector<fcl::CollisionObjectd*> present;
+    std::vector<Object*> present;
     for (const BodyPose& body : step.bodies) present.push_back(place(body));
     if (present != present_) {
       manager_.clear();
@@ -58,38 +61,41 @@ class FclEngine : public Engine {
     std::vector<BodyPair> pairs;
   };
 
-  fcl::CollisionObjectd* place(const BodyPose& body) {
-    std::unique_ptr<fcl::CollisionObjectd>& object = objects_[body.body];
-    if (!object) object = std::make_unique<fcl::CollisionObjectd>(model_);
+  Object* place(const BodyPose& body) {
+    std::unique_ptr<Object>& object = objects_[body.body];
+    if (!object) object = std::make_unique<Object>(model_);
     object->setUserData(const_cast<BodyPose*>(&body));
-    object->setTransform(body.pose);
+    object->setTransform(body.pose.cast<Scalar>());
     object->computeAABB();
     return object.get();
   }
 
-  static bool visit(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
+  static bool visit(Object* a, Object* b, void* data) {
     Query& query = *static_cast<Query*>(data);
     const BodyPose& body_a = *static_cast<const BodyPose*>(a->getUserData());
     const BodyPose& body_b = *static_cast<const BodyPose*>(b->getUserData());
     if (query.gate && query.gate->separated(body_a, body_b)) return false;
-    const fcl::CollisionRequestd request;
-    fcl::CollisionResultd result;
+    const fcl::CollisionRequest<Scalar> request;
+    fcl::CollisionResult<Scalar> result;
     if (fcl::collide(a, b, request, result) > 0) query.pairs.push_back(make_pair(body_a.body, body_b.body));
     return false;
   }
 
   std::string name_;
   std::shared_ptr<fcl::BVHModel<Volume>> model_;
-  std::map<std::int32_t, std::unique_ptr<fcl::CollisionObjectd>> objects_;  // by body number; user data: its pose
-  std::vector<fcl::CollisionObjectd*> present_;                             // in manager_
-  fcl::DynamicAABBTreeCollisionManagerd manager_;
+  std::map<std::int32_t, std::unique_ptr<Object>> objects_;  // by body number; user data: its pose
+  std::vector<Object*> present_;                             // in manager_
+  fcl::DynamicAABBTreeCollisionManager<Scalar> manager_;
 };
 
 }  // namespace
 
 std::unique_ptr<Engine> make_fcl_engine(const TriangleMesh& mesh, FclVolume volume) {
-  if (volume == FclVolume::obb) return std::make_unique<FclEngine<fcl::OBBd>>(mesh, "fcl_obb");
-  return std::make_unique<FclEngine<fcl::OBBRSSd>>(mesh, "fcl");
+  switch (volume) {
+    case FclVolume::obb: return std::make_unique<FclEngine<fcl::OBBd>>(mesh, "fcl_obb");
+    case FclVolume::obbrss_float: return std::make_unique<FclEngine<fcl::OBBRSSf>>(mesh, "fcl_float");
+    default: return std::make_unique<FclEngine<fcl::OBBRSSd>>(mesh, "fcl");
+  }
 }
 
 }  // namespace encage::replay

@@ -41,7 +41,7 @@ Exit status: 0 if all agree on the touching pairs, 1 if not, 2 for bad input or 
 
 struct Arguments {
   std::filesystem::path mesh, cages, poses, json;
-  std::vector<std::string> engines = {"encage", "fcl", "fcl_obb", "bullet", "ode", "embree"};
+  std::vector<std::string> engines = {"encage", "fcl", "fcl_obb", "fcl_float", "bullet", "ode", "embree"};
   std::vector<std::string> fronts = {"cages", "full"};
   std::int64_t every = 1;
   int runs = 3;

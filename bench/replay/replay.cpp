@@ -37,6 +37,14 @@ std::vector<Contestant> contestants_of(Engine& engine, const Question& question)
   return list;
 }
 
+/// What an engine builds at the first sight of bodies does not count.
+void warm_up(Engine& engine, const std::vector<PoseStep>& steps) {
+  const auto most = std::max_element(steps.begin(), steps.end(), [](const PoseStep& s, const PoseStep& t) {
+    return s.bodies.size() < t.bodies.size();
+  });
+  if (most != steps.end()) engine.touching(*most, nullptr);
+}
+
 void ask(Contestant& contestant, const Question& question, std::size_t i) {
   const PerfectGate knows(question.truth[i]);
   const Gate* gate = contestant.front == perfect ? &knows : contestant.gate;
@@ -112,6 +120,7 @@ Replay replay(const std::vector<std::unique_ptr<Engine>>& engines, const Questio
   for (const std::vector<Contestant>& group : field) contestants += group.size();
   const double questions = static_cast<double>(contestants * question.steps.size()) * question.runs;
 
+  for (const std::unique_ptr<Engine>& engine : engines) warm_up(*engine, question.steps);
   in_turns(question.runs, question.steps.size(), [&](std::size_t first, std::size_t last) {
     for (std::vector<Contestant>& group : field) {
       for (Contestant& contestant : group) {

@@ -99,7 +99,8 @@ TEST_P(Engines, TestNoTrianglesOfWhatTheGateRejects) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Engines,
-                         testing::Values("encage", "fcl", "fcl_obb", "bullet", "ode", "embree_refit", "embree_rebuild"),
+                         testing::Values("encage", "fcl", "fcl_obb", "fcl_float", "bullet", "ode", "embree_refit",
+                                         "embree_rebuild"),
                          [](const auto& engine) { return engine.param; });
 
 TEST(MakeEngines, EmbreeIsBothWaysToUpdate) {

@@ -61,7 +61,8 @@ TEST_F(ReplayTool, AllEnginesAgree) {
   EXPECT_EQ(json.at("steps"), 2);
   EXPECT_EQ(json.at("touching_pairs"), 1);
   EXPECT_EQ(json.at("disagreements"), 0);
-  for (const char* engine : {"encage", "fcl", "fcl_obb", "bullet", "ode", "embree_refit", "embree_rebuild"}) {
+  for (const char* engine :
+       {"encage", "fcl", "fcl_obb", "fcl_float", "bullet", "ode", "embree_refit", "embree_rebuild"}) {
     EXPECT_EQ(json.at("engines").at(engine).at("touching_pairs"), 1) << engine;
     EXPECT_GT(json.at("engines").at(engine).at("ms_per_step"), 0) << engine;
     EXPECT_EQ(json.at("with_cages").at(engine).at("touching_pairs"), 1) << engine;
