@@ -159,7 +159,7 @@ int run(const Arguments& a) {
     json.update(to_json(result, moving));
     tool::write_json(a.json, json);
   }
-  std::cout << a.poses.string() << ": " << result.steps << " steps, one thread, median of " << a.runs << " runs\n\n";
+  std::cout << a.poses.filename().string() << ": " << result.steps << " steps, one thread, median of " << a.runs << " runs\n\n";
   print(std::cout, result, moving);
   // On stderr: it is why the status is not 0.
   print(std::cerr, "encage-replay: ", result.disagreements);
