@@ -19,7 +19,7 @@ class Dispatcher : public btCollisionDispatcher {
     btGImpactCollisionAlgorithm::registerAlgorithm(this);
   }
 
-  const Gate* gate = nullptr;
+  const StepQuestion* question = nullptr;
   std::vector<BodyPair> pairs;
 
  private:
@@ -27,7 +27,7 @@ class Dispatcher : public btCollisionDispatcher {
     Dispatcher& dispatcher = static_cast<Dispatcher&>(self);
     const BodyPose& a = pose_of(*pair.m_pProxy0);
     const BodyPose& b = pose_of(*pair.m_pProxy1);
-    if (dispatcher.gate && dispatcher.gate->separated(a, b)) return;
+    if (dispatcher.question->skips(a, b)) return;
     defaultNearCallback(pair, dispatcher, info);
     // GImpact drops its manifold whenever it is asked again: what there is, is of this step.
     if (pair.m_algorithm && touches(*pair.m_algorithm)) dispatcher.pairs.push_back(make_pair(a.body, b.body));
@@ -67,15 +67,15 @@ class BulletEngine : public Engine {
 
   std::string name() const override { return "bullet"; }
 
-  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+  std::vector<BodyPair> touching(const StepQuestion& question) override {
     std::vector<btCollisionObject*> present;
-    for (const BodyPose& body : step.bodies) present.push_back(place(body));
+    for (const BodyPose& body : question.step.bodies) present.push_back(place(body));
     if (present != present_) {
       for (btCollisionObject* object : present_) world_.removeCollisionObject(object);
       for (btCollisionObject* object : present) world_.addCollisionObject(object);
       present_ = present;
     }
-    dispatcher_.gate = gate;
+    dispatcher_.question = &question;
     dispatcher_.pairs.clear();
     world_.performDiscreteCollisionDetection();
     std::sort(dispatcher_.pairs.begin(), dispatcher_.pairs.end());

@@ -131,18 +131,18 @@ class EmbreeEngine : public Engine {
 
   std::string name() const override { return update_ == EmbreeUpdate::refit ? "embree_refit" : "embree_rebuild"; }
 
-  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+  std::vector<BodyPair> touching(const StepQuestion& question) override {
     std::vector<BodyPair> pairs;
-    arena_.execute([&] { find(step, gate, pairs); });
+    arena_.execute([&] { find(question, pairs); });
     return pairs;
   }
 
  private:
-  void find(const PoseStep& step, const Gate* gate, std::vector<BodyPair>& pairs) {
-    const std::vector<BodyPose>& bodies = step.bodies;
+  void find(const StepQuestion& question, std::vector<BodyPair>& pairs) {
+    const std::vector<BodyPose>& bodies = question.step.bodies;
     BoxPairs::Places asked;
-    for (const auto& [i, j] : boxes_.overlaps(*shape_, step)) {
-      if (!gate || !gate->separated(bodies[i], bodies[j])) asked.emplace_back(i, j);
+    for (const auto& [i, j] : boxes_.overlaps(*shape_, question.step)) {
+      if (!question.skips(bodies[i], bodies[j])) asked.emplace_back(i, j);
     }
     std::vector<std::size_t> root(bodies.size());
     std::iota(root.begin(), root.end(), std::size_t{0});

@@ -15,19 +15,20 @@ class EncageEngine : public Engine {
   std::string name() const override { return "encage"; }
   bool gains_from(const Gate& gate) const override { return dynamic_cast<const FineGate*>(&gate) == nullptr; }
 
-  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+  std::vector<BodyPair> touching(const StepQuestion& question) override {
+    const PoseStep& step = question.step;
     PairOptions options;
     options.boxes = options.cages = false;
-    if (const auto* cages = dynamic_cast<const CageGate*>(gate)) {
+    const auto* cages = dynamic_cast<const CageGate*>(question.gate);
+    if (cages) {
       options.cages = true;
       options.finest_cage = options.coarsest_cage = cages->level();
-      gate = nullptr;
     }
     std::vector<BodyPair> pairs;
     for (const auto& [i, j] : boxes_.overlaps(*shape_, step)) {
       const BodyPose& a = step.bodies[i];
       const BodyPose& b = step.bodies[j];
-      if (gate && gate->separated(a, b)) continue;
+      if (cages ? question.leaves_out(a, b) : question.skips(a, b)) continue;
       const Motion motion_a = Motion::resting(a.pose), motion_b = Motion::resting(b.pose);
       if (!separated(*shape_, motion_a, *shape_, motion_b, options).separated) pairs.push_back({a.body, b.body});
     }

@@ -38,9 +38,9 @@ class FclEngine : public Engine {
 
   std::string name() const override { return name_; }
 
-  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+  std::vector<BodyPair> touching(const StepQuestion& question) override {
     std::vector<Object*> present;
-    for (const BodyPose& body : step.bodies) present.push_back(place(body));
+    for (const BodyPose& body : question.step.bodies) present.push_back(place(body));
     if (present != present_) {
       manager_.clear();
       manager_.registerObjects(present);
@@ -49,7 +49,7 @@ class FclEngine : public Engine {
     } else {
       manager_.update(present);
     }
-    Query query{gate, {}};
+    Query query{question, {}};
     manager_.collide(&query, visit);
     std::sort(query.pairs.begin(), query.pairs.end());
     return std::move(query.pairs);
@@ -57,7 +57,7 @@ class FclEngine : public Engine {
 
  private:
   struct Query {
-    const Gate* gate;
+    const StepQuestion& question;
     std::vector<BodyPair> pairs;
   };
 
@@ -74,7 +74,7 @@ class FclEngine : public Engine {
     Query& query = *static_cast<Query*>(data);
     const BodyPose& body_a = *static_cast<const BodyPose*>(a->getUserData());
     const BodyPose& body_b = *static_cast<const BodyPose*>(b->getUserData());
-    if (query.gate && query.gate->separated(body_a, body_b)) return false;
+    if (query.question.skips(body_a, body_b)) return false;
     const fcl::CollisionRequest<Scalar> request;
     fcl::CollisionResult<Scalar> result;
     if (fcl::collide(a, b, request, result) > 0) query.pairs.push_back(make_pair(body_a.body, body_b.body));

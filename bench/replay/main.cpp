@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -47,6 +48,7 @@ struct Arguments {
   int runs = 3;
   int level = 0;
   bool continuous = false;
+  bool free = false;
 };
 
 std::string joined(const std::vector<std::string>& names) {
@@ -72,6 +74,9 @@ void define(CLI::App& app, Arguments& a) {
       ->default_str(joined(a.fronts))
       ->type_name("cages,full,none");
   app.add_flag("--continuous", a.continuous, "Also Encage's continuous detection, from each step to the next one");
+  app.add_flag("--free", a.free,
+               "Leave out pairs that touch in the recorded step before, or in the first one, as if no bodies ever "
+               "interpenetrated");
   app.add_option("--every", a.every, "Take every K-th step only")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}).description(""))
       ->type_name("K");
@@ -85,10 +90,37 @@ void define(CLI::App& app, Arguments& a) {
   app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
 }
 
-std::vector<PoseStep> thinned(const std::vector<PoseStep>& all, std::int64_t every) {
+using Pairs = std::vector<BodyPair>;
+
+/// What happens in the steps that are taken.
+struct Scene {
   std::vector<PoseStep> steps;
-  for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(every)) steps.push_back(all[i]);
-  return steps;
+  std::vector<Pairs> touching;  ///< per step, sorted
+  std::vector<Pairs> before;    ///< in the recorded step before it, or in the first one; only if asked for
+};
+
+Scene make_scene(const Arguments& a, const std::vector<PoseStep>& poses, const Body& body,
+                 const std::function<void(double fraction)>& progress) {
+  const ExactTouch exact(body.mesh, body.closed);
+  Scene scene;
+  for (std::size_t i = 0; i < poses.size(); i += static_cast<std::size_t>(a.every)) {
+    scene.steps.push_back(poses[i]);
+    scene.touching.push_back(exact.touching(poses[i]));
+    if (a.free) scene.before.push_back(i == 0 ? scene.touching.back() : exact.touching(poses[i - 1]));
+    progress(static_cast<double>(i + 1) / static_cast<double>(poses.size()));
+  }
+  return scene;
+}
+
+/// What engines are asked, and what is true.
+Question question_of(const Scene& scene) {
+  Question question{scene.steps, scene.touching, scene.before, {}};
+  for (std::size_t i = 0; i < scene.before.size(); ++i) {
+    std::erase_if(question.truth[i], [&](const BodyPair& pair) {
+      return std::binary_search(scene.before[i].begin(), scene.before[i].end(), pair);
+    });
+  }
+  return question;
 }
 
 /// Tests of ours that there are.
@@ -143,15 +175,13 @@ int run(const Arguments& a) {
       tool::throw_if_interrupted();
     };
   };
-  Question question{thinned(poses, a.every), {}, fronts.list(), a.runs};
-  const ExactTouch exact(body.mesh, body.closed);
-  for (const PoseStep& step : question.steps) {
-    question.truth.push_back(exact.touching(step));
-    report("exact arithmetic")(static_cast<double>(question.truth.size()) / static_cast<double>(question.steps.size()));
-  }
+  const Scene scene = make_scene(a, poses, body, report("exact arithmetic"));
+  Question question = question_of(scene);
+  question.fronts = fronts.list();
+  question.runs = a.runs;
   const Replay result = replay(all_engines(a, body), question, report("replaying"));
   std::optional<Continuous> moving;
-  if (recording) moving = continuous(*body.shape, *recording, question.truth, a.runs, report("continuous"));
+  if (recording) moving = continuous(*body.shape, *recording, scene.touching, a.runs, report("continuous"));
 
   if (!a.json.empty()) {
     nlohmann::ordered_json json = {{"mesh", a.mesh.string()}, {"poses", a.poses.string()}, {"every", a.every}};
@@ -159,7 +189,8 @@ int run(const Arguments& a) {
     json.update(to_json(result, moving));
     tool::write_json(a.json, json);
   }
-  std::cout << a.poses.filename().string() << ": " << result.steps << " steps, one thread, median of " << a.runs << " runs\n\n";
+  std::cout << a.poses.filename().string() << ": " << result.steps << " steps, one thread, median of " << a.runs
+            << " runs\n\n";
   print(std::cout, result, moving);
   // On stderr: it is why the status is not 0.
   print(std::cerr, "encage-replay: ", result.disagreements);

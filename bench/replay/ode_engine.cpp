@@ -44,15 +44,15 @@ class OdeEngine : public Engine {
 
   std::string name() const override { return "ode"; }
 
-  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
+  std::vector<BodyPair> touching(const StepQuestion& question) override {
     std::vector<dGeomID> present;
-    for (const BodyPose& body : step.bodies) present.push_back(place(body));
+    for (const BodyPose& body : question.step.bodies) present.push_back(place(body));
     if (present != present_) {
       for (const dGeomID geom : present_) dSpaceRemove(space_, geom);
       for (const dGeomID geom : present) dSpaceAdd(space_, geom);
       present_ = present;
     }
-    Query query{gate, {}};
+    Query query{question, {}};
     dSpaceCollide(space_, &query, visit);
     std::sort(query.pairs.begin(), query.pairs.end());
     return std::move(query.pairs);
@@ -60,7 +60,7 @@ class OdeEngine : public Engine {
 
  private:
   struct Query {
-    const Gate* gate;
+    const StepQuestion& question;
     std::vector<BodyPair> pairs;
   };
 
@@ -81,7 +81,7 @@ class OdeEngine : public Engine {
     Query& query = *static_cast<Query*>(data);
     const BodyPose& body_a = *static_cast<const BodyPose*>(dGeomGetData(a));
     const BodyPose& body_b = *static_cast<const BodyPose*>(dGeomGetData(b));
-    if (query.gate && query.gate->separated(body_a, body_b)) return;
+    if (query.question.skips(body_a, body_b)) return;
     dContactGeom contact;
     if (dCollide(a, b, 1 | CONTACTS_UNIMPORTANT, &contact, sizeof(contact)) > 0) {
       query.pairs.push_back(make_pair(body_a.body, body_b.body));

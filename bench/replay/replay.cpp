@@ -42,14 +42,16 @@ void warm_up(Engine& engine, const std::vector<PoseStep>& steps) {
   const auto most = std::max_element(steps.begin(), steps.end(), [](const PoseStep& s, const PoseStep& t) {
     return s.bodies.size() < t.bodies.size();
   });
-  if (most != steps.end()) engine.touching(*most, nullptr);
+  if (most != steps.end()) engine.touching({*most});
 }
 
 void ask(Contestant& contestant, const Question& question, std::size_t i) {
+  const std::vector<BodyPair>* left_out = question.left_out.empty() ? nullptr : &question.left_out[i];
   const PerfectGate knows(question.truth[i]);
   const Gate* gate = contestant.front == perfect ? &knows : contestant.gate;
-  contestant.answers[i] =
-      contestant.times.time(i, [&] { return contestant.engine->touching(question.steps[i], gate); });
+  contestant.answers[i] = contestant.times.time(i, [&] {
+    return contestant.engine->touching({question.steps[i], gate, left_out});
+  });
 }
 
 bool contains(const std::vector<BodyPair>& pairs, const BodyPair& pair) {
@@ -134,6 +136,7 @@ Replay replay(const std::vector<std::unique_ptr<Engine>>& engines, const Questio
 
   Replay result;
   result.steps = static_cast<std::int64_t>(question.steps.size());
+  for (const auto& pairs : question.left_out) result.left_out += static_cast<std::int64_t>(pairs.size());
   for (const auto& pairs : question.truth) result.touching += static_cast<std::int64_t>(pairs.size());
   for (const std::vector<Contestant>& group : field) result.engines.push_back(summary(group, question));
   for (std::size_t i = 0; i < question.steps.size(); ++i) {

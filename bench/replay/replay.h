@@ -19,7 +19,8 @@ struct Front {
 
 struct Question {
   std::vector<PoseStep> steps;
-  std::vector<std::vector<BodyPair>> truth;  ///< the pairs that touch, per step, sorted
+  std::vector<std::vector<BodyPair>> truth;     ///< the pairs that touch, per step, sorted; none that is left out
+  std::vector<std::vector<BodyPair>> left_out;  ///< the pairs that nobody is asked for, likewise; or empty
   std::vector<Front> fronts;
   int runs = 3;
 };
@@ -51,6 +52,7 @@ struct Disagreement {
 struct Replay {
   std::int64_t steps = 0;
   std::int64_t touching = 0;  ///< pairs, truly, summed over the steps
+  std::int64_t left_out = 0;  ///< pairs that nobody was asked for
   std::vector<EngineResult> engines;
   std::vector<Disagreement> disagreements;
 };

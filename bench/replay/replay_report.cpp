@@ -88,7 +88,8 @@ void print_continuous(std::ostream& out, const Continuous& c) {
 }  // namespace
 
 nlohmann::ordered_json to_json(const Replay& replay, const std::optional<Continuous>& continuous) {
-  nlohmann::ordered_json json = {{"steps", replay.steps}, {"touching_pairs", replay.touching}};
+  nlohmann::ordered_json json = {
+      {"steps", replay.steps}, {"touching_pairs", replay.touching}, {"pairs_left_out", replay.left_out}};
   for (const EngineResult& engine : replay.engines) {
     json["engines"][engine.name] = to_json(engine.alone);
     for (const Answer& answer : engine.behind) {
@@ -130,7 +131,7 @@ void print(std::ostream& out, const Replay& replay, const std::optional<Continuo
                            std::to_string(engine.alone.spurious)});
     print_row(out, row);
   }
-  out << "\nTruly touching: " << replay.touching
+  out << "\nTruly touching: " << replay.touching << " pairs; left out: " << replay.left_out
       << " pairs; pairs about which somebody is wrong: " << replay.disagreements.size() << '\n';
   if (continuous) print_continuous(out, *continuous);
 }

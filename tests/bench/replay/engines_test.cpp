@@ -50,10 +50,10 @@ TEST_P(Engines, FindThePairsThatTouch) {
     for (const PoseStep& step : test::crowd(8)) {
       const std::vector<BodyPair> expected = test::exact_pairs(sample, step);
       const PerfectGate perfect(expected);
-      EXPECT_EQ(engine->touching(step, nullptr), expected) << "step " << step.step;
-      EXPECT_EQ(engine->touching(step, &cages), expected) << "step " << step.step;
-      EXPECT_EQ(engine->touching(step, &full), expected) << "step " << step.step;
-      EXPECT_EQ(engine->touching(step, &perfect), expected) << "step " << step.step;
+      EXPECT_EQ(engine->touching({step}), expected) << "step " << step.step;
+      EXPECT_EQ(engine->touching({step, &cages}), expected) << "step " << step.step;
+      EXPECT_EQ(engine->touching({step, &full}), expected) << "step " << step.step;
+      EXPECT_EQ(engine->touching({step, &perfect}), expected) << "step " << step.step;
       touching += expected.size();
     }
   }
@@ -69,7 +69,8 @@ TEST_P(Engines, TellTouchFromNear) {
     BodyPose a = test::body_at(3, 0), b = test::body_at(8, x, 0.3, -0.2);
     a.pose = turn * a.pose;
     b.pose = turn * b.pose;
-    return engine->touching({0, {a, b}}, nullptr).size();
+    const PoseStep step{0, {a, b}};
+    return engine->touching({step}).size();
   };
   EXPECT_EQ(pairs(1.999), 1U);
   EXPECT_EQ(pairs(2.001), 0U);  // boxes of the world overlap
@@ -82,7 +83,8 @@ TEST_P(Engines, OnlyEncageSeesABodyInsideAnother) {
   // A small cube and a large one: moved by their offset, the small one is inside the other body's large one.
   const Body body = test::body_of(shapes::joined(shapes::cube(0.25), shapes::cube(1, {6, 0, 0})));
   const auto engine = make(body);
-  const std::size_t found = engine->touching({0, {test::body_at(0, 0), test::body_at(1, 6)}}, nullptr).size();
+  const PoseStep step{0, {test::body_at(0, 0), test::body_at(1, 6)}};
+  const std::size_t found = engine->touching({step}).size();
   EXPECT_EQ(found, GetParam() == "encage" ? 1U : 0U);
 }
 
@@ -90,12 +92,23 @@ TEST_P(Engines, TestNoTrianglesOfWhatTheGateRejects) {
   const auto engine = make(test::body_of(shapes::cube(1)));
   const PoseStep step{0, {test::body_at(0, 0), test::body_at(1, 1.5), test::body_at(2, 50)}};
   const OneAnswer rejects(true), accepts(false);
-  EXPECT_TRUE(engine->touching(step, &rejects).empty());
+  EXPECT_TRUE(engine->touching({step, &rejects}).empty());
   EXPECT_EQ(rejects.asked, std::vector<BodyPair>({{0, 1}}));
-  EXPECT_EQ(engine->touching(step, &accepts), std::vector<BodyPair>({{0, 1}}));
+  EXPECT_EQ(engine->touching({step, &accepts}), std::vector<BodyPair>({{0, 1}}));
   EXPECT_EQ(accepts.asked, std::vector<BodyPair>({{0, 1}}));
   // What was found behind one gate says nothing of the next one.
-  EXPECT_TRUE(engine->touching(step, &rejects).empty());
+  EXPECT_TRUE(engine->touching({step, &rejects}).empty());
+}
+
+TEST_P(Engines, LeaveOutWhatIsNotAskedFor) {
+  const Body body = test::body_of(test::sample("star"));
+  const auto engine = make(body);
+  const PoseStep step{0, {test::body_at(0, 0), test::body_at(1, 0.5), test::body_at(2, 1)}};
+  const std::vector<BodyPair> left_out = {{0, 1}, {1, 2}};
+  const CageGate cages(body.shape, 0);
+  EXPECT_EQ(engine->touching({step}).size(), 3U);
+  EXPECT_EQ(engine->touching({step, nullptr, &left_out}), std::vector<BodyPair>({{0, 2}}));
+  EXPECT_EQ(engine->touching({step, &cages, &left_out}), std::vector<BodyPair>({{0, 2}}));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Engines,

@@ -20,10 +20,12 @@ class Oracle : public Engine {
       : name_(std::move(name)), also_(also), blind_behind_gate_(blind_behind_gate) {}
 
   std::string name() const override { return name_; }
-  std::vector<BodyPair> touching(const PoseStep& step, const Gate* gate) override {
-    if (gate && blind_behind_gate_) return {};
+  std::vector<BodyPair> touching(const StepQuestion& question) override {
+    if (question.gate && blind_behind_gate_) return {};
     std::vector<BodyPair> pairs = {{0, 3}};
-    if (step.step % also_ == 0) pairs.push_back({6, 9});
+    if (question.step.step % also_ == 0) pairs.push_back({6, 9});
+    std::erase_if(pairs,
+                  [&](const BodyPair& p) { return question.leaves_out(test::body_at(p.a, 0), test::body_at(p.b, 0)); });
     return pairs;
   }
 
@@ -42,8 +44,8 @@ std::vector<std::unique_ptr<Engine>> engines_of(std::unique_ptr<Engine> a, std::
 
 /// The truth: (0, 3) in every step, and (6, 9) in steps that 2 divides.
 Question question_of(int steps, int runs, std::vector<Front> fronts = {}) {
-  Question question{test::crowd(steps), {}, std::move(fronts), runs};
-  for (const PoseStep& step : question.steps) question.truth.push_back(Oracle("", 2).touching(step, nullptr));
+  Question question{test::crowd(steps), {}, {}, std::move(fronts), runs};
+  for (const PoseStep& step : question.steps) question.truth.push_back(Oracle("", 2).touching({step}));
   return question;
 }
 
@@ -92,6 +94,18 @@ TEST(Replay, ListsPairsThatAreLostBehindAFront) {
   EXPECT_EQ(result.engines[0].alone.missed, 0);
   ASSERT_EQ(result.disagreements.size(), 2U);
   EXPECT_EQ(result.disagreements[1].touching, (std::vector<std::string>{"one", "two", "two+cages"}));
+}
+
+TEST(Replay, HandsOnWhatIsLeftOut) {
+  const auto engines = engines_of(std::make_unique<Oracle>("one", 2), std::make_unique<Oracle>("two", 2));
+  Question question = question_of(2, 1);
+  question.left_out = {{{0, 3}}, {}};
+  question.truth[0] = {{6, 9}};
+  const Replay result = replay(engines, question);
+  EXPECT_EQ(result.left_out, 1);
+  EXPECT_EQ(result.touching, 2);
+  EXPECT_EQ(result.engines[0].alone.touching, 2);
+  EXPECT_TRUE(result.disagreements.empty());
 }
 
 TEST(Replay, ReportsProgress) {

@@ -101,6 +101,19 @@ TEST_F(ReplayTool, ContinuousDetectionFindsTheContactOnTheWay) {
   EXPECT_NE(result.out.find("Continuous"), std::string::npos) << result.out;
 }
 
+TEST_F(ReplayTool, PairsThatTouchedBeforeAreLeftOut) {
+  folder.write("poses.csv", std::string(header) +
+                                "0,0,0,0,0,0,0,0,1\n0,1,9,0,0,0,0,0,1\n"
+                                "1,0,0,0,0,0,0,0,1\n1,1,1,0,0,0,0,0,1\n"
+                                "2,0,0,0,0,0,0,0,1\n2,1,1.1,0,0,0,0,0,1\n");
+  const RunResult result = replay({"--engines", "encage,fcl,ode", "--free", "--json", "replay.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto json = nlohmann::json::parse(folder.read("replay.json"));
+  EXPECT_EQ(json.at("touching_pairs"), 1);  // in step 1
+  EXPECT_EQ(json.at("pairs_left_out"), 1);  // in step 2
+  EXPECT_EQ(json.at("engines").at("fcl").at("touching_pairs"), 1);
+}
+
 TEST_F(ReplayTool, SaysOfWhichPairTheEnginesDiffer) {
   // A ball in a hollow ball: the solids overlap, but no surface touches another, which is all that FCL asks.
   const TriangleMesh inner = shapes::sphere(2), outer = shapes::moved(shapes::scaled(inner, 2), {9, 0, 0});
