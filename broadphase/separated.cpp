@@ -69,7 +69,9 @@ Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const 
 
   const BodyPair pair(a, motion_a, b, motion_b, options.margin);
   Verdict last;
-  if (options.cages && !a.cages.empty() && !b.cages.empty()) {
+  const bool fine = options.fine && !a.fine.empty() && !b.fine.empty();
+  const bool cages = options.cages == CageUse::always || (options.cages == CageUse::automatic && !fine);
+  if (cages && !a.cages.empty() && !b.cages.empty()) {
     const int count_a = level_count(a), count_b = level_count(b);
     const int coarsest = std::min(options.coarsest_cage, std::max(count_a, count_b) - 1);
     for (int k = coarsest; k >= std::max(options.finest_cage, 0); --k) {
@@ -79,7 +81,7 @@ Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const 
       }
     }
   }
-  if (!options.fine || a.fine.empty() || b.fine.empty()) return last;
+  if (!fine) return last;
   return {pair.fine_apart(), Stage::fine, -1};
 }
 

@@ -39,24 +39,25 @@ void add_test(const std::string& name, const Shape& shape, const std::vector<Cas
 void add_tests(const std::string& how, const Shape& shape, const std::vector<Case>& cases) {
   const std::string name = "stage/separated/" + how + "/";
   PairOptions none;
-  none.boxes = none.cages = none.fine = false;
+  none.boxes = none.fine = false;
+  none.cages = CageUse::never;
   PairOptions boxes = none;
   boxes.boxes = true;
   add_test(name + "boxes", shape, cases, boxes);
   for (int k = level_count(shape) - 1; k >= 0; --k) {
     PairOptions cage = none;
-    cage.cages = true;
+    cage.cages = CageUse::always;
     cage.finest_cage = cage.coarsest_cage = k;
     add_test(name + "cage_" + std::to_string(k), shape, cases, cage);
     cage.fine = true;
     add_test(name + "cage_" + std::to_string(k) + "+fine", shape, cases, cage);
   }
   PairOptions all = none;
-  all.cages = true;
+  all.cages = CageUse::always;
   add_test(name + "cages", shape, cases, all);
   all.fine = true;
   add_test(name + "cages+fine", shape, cases, all);
-  all.cages = false;
+  all.cages = CageUse::never;
   add_test(name + "fine", shape, cases, all);
 }
 

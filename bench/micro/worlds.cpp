@@ -64,7 +64,8 @@ void collect(benchmark::State& state, const ShapePtr& shape) {
   std::vector<BodyId> bodies;
   for (const Motion& m : motions) bodies.push_back(world.add_body(id, m.start));
   CandidateOptions options;
-  options.pair.cages = options.pair.fine = false;
+  options.pair.cages = CageUse::never;
+  options.pair.fine = false;
   std::int64_t pairs = 0;
   bool back = false;
   for (auto _ : state) {

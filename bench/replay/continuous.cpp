@@ -22,7 +22,10 @@ Motion motion_of(const tank::RecordedBody& body, bool moving) {
 
 class Detector {
  public:
-  explicit Detector(const Shape& shape) : shape_(shape) { options_.boxes = options_.cages = false; }
+  explicit Detector(const Shape& shape) : shape_(shape) {
+    options_.boxes = false;
+    options_.cages = CageUse::never;
+  }
 
   Counts run(const tank::RecordedStep& step, const std::vector<BodyPair>& leave_out, bool moving) {
     motions_.clear();

@@ -18,10 +18,11 @@ class EncageEngine : public Engine {
   std::vector<BodyPair> touching(const StepQuestion& question) override {
     const PoseStep& step = question.step;
     PairOptions options;
-    options.boxes = options.cages = false;
+    options.boxes = false;
+    options.cages = CageUse::never;
     const auto* cages = dynamic_cast<const CageGate*>(question.gate);
     if (cages) {
-      options.cages = true;
+      options.cages = CageUse::always;
       options.finest_cage = options.coarsest_cage = cages->level();
     }
     std::vector<BodyPair> pairs;

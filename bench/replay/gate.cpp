@@ -28,7 +28,8 @@ FineGate::FineGate(ShapePtr shape) : shape_(std::move(shape)) {}
 
 bool FineGate::separated(const BodyPose& a, const BodyPose& b) const {
   PairOptions options;
-  options.boxes = options.cages = false;
+  options.boxes = false;
+  options.cages = CageUse::never;
   return ask(*shape_, a, b, options);
 }
 

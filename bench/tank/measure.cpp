@@ -211,7 +211,7 @@ std::vector<std::int64_t> evenly_spread(std::int64_t total, std::int64_t count) 
 
 std::vector<BodyPair> pairs_in_contact_at_start(const TankBody& body, const RecordedStep& step) {
   PairOptions options;
-  options.cages = false;
+  options.cages = CageUse::never;
   const auto count = static_cast<std::int32_t>(step.bodies.size());
   std::vector<BodyPair> pairs;
   for (BodyPair pair; pair.a < count; ++pair.a) {

@@ -82,7 +82,7 @@ std::vector<Contestant> make_contestants(const Arguments& a, const ShapePtr& sha
     c.threads = threads;
     CandidateOptions options;
     options.triangles = a.triangles;
-    options.pair.cages = !a.no_cages;
+    options.pair.cages = a.no_cages ? CageUse::never : CageUse::always;
     if (threads > 1) {
       c.arena = std::make_unique<oneapi::tbb::task_arena>(threads);
       options.executor = tbb_executor(*c.arena);

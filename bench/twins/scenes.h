@@ -25,7 +25,10 @@ struct Scene {
   double size() const { return (a->diagonal() + b->diagonal()) / 2; }
   /// A distance so large, compared with the bodies, that more than it should be told.
   double one_per_cent() const { return 0.01 * std::max(a->diagonal(), b->diagonal()); }
-  Verdict ask(double more = 0) const { return separated(*a->shape, motion_a, *b->shape, motion_b, margin + more); }
+  /// Every stage that may reject.
+  Verdict ask(double more = 0) const {
+    return separated(*a->shape, motion_a, *b->shape, motion_b, {.margin = margin + more, .cages = CageUse::always});
+  }
   /// Where numbers are in range and rounding is far below 1 %: a pose may drift by 2.5e-10 of its distance.
   bool well_conditioned() const { return unit < 0x1p90 && motion_a.start.translation().norm() < 1e5 * unit; }
   std::string text() const;

@@ -144,7 +144,8 @@ QueryResult query(const QueryArguments& a) {
     Counts counts(result.levels.size());
     for (std::size_t p = 0; p < bodies.size(); ++p) {
       for (std::size_t q = p + 1; q < bodies.size(); ++q) {
-        counts.add(separated(*bodies[p].shape, bodies[p].motion, *bodies[q].shape, bodies[q].motion, a.margin));
+        counts.add(separated(*bodies[p].shape, bodies[p].motion, *bodies[q].shape, bodies[q].motion,
+                             {.margin = a.margin, .cages = CageUse::always}));
       }
     }
     result.totals.add(counts);

@@ -79,11 +79,20 @@ struct HalfSpace {
   double offset = 0;
 };
 
+/// When cages are worth asking.
+enum class CageUse : std::uint8_t {
+  /// Where the fine meshes are not asked: a fine mesh's own tree proves more than a cage, in less time
+  /// (docs/performance.md), so that cages pay only in front of something slower, e.g. an engine's own test.
+  automatic,
+  always,
+  never,
+};
+
 /// What separated() asks.
 struct PairOptions {
   double margin = 0;                                    ///< world units, >= 0
   bool boxes = true;                                    ///< ask world boxes; false where the caller did
-  bool cages = true;                                    ///< ask cages
+  CageUse cages = CageUse::automatic;
   int finest_cage = 0;                                  ///< the finest cage level asked
   int coarsest_cage = std::numeric_limits<int>::max();  ///< the coarsest one asked
   bool fine = true;                                     ///< ask the fine meshes
@@ -91,7 +100,7 @@ struct PairOptions {
 
 /// Proves that two bodies stay farther apart than the margin while every vertex
 /// moves on its straight line, or answers "maybe". Asks the stages in order: boxes, cages from
-/// coarse to fine, fine meshes; the first proof ends the test. With different
+/// coarse to fine (by default only where there is no fine mesh to ask), fine meshes; the first proof ends the test. With different
 /// numbers of levels, level k is tested on each body's level k or its coarsest.
 /// Motions that are not usable answer "maybe". Re-entrant; never throws, never allocates.
 ///

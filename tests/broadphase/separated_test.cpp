@@ -21,7 +21,8 @@ using Pose = Eigen::Isometry3d;
 using Vector = Eigen::Vector3d;
 
 Verdict ask(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin = 0) {
-  return separated(*a.shape, Motion::resting(pose_a), *b.shape, Motion::resting(pose_b), margin);
+  return separated(*a.shape, Motion::resting(pose_a), *b.shape, Motion::resting(pose_b),
+                   {.margin = margin, .cages = CageUse::always});
 }
 
 Pose shift(double x, double y, double z) {
@@ -110,6 +111,25 @@ TEST(Separated, NamesTheStageOfTheProof) {
   EXPECT_TRUE(turned(2.05).separated);
   EXPECT_EQ(turned(1.95).stage, Stage::fine);
   EXPECT_FALSE(turned(1.95).separated);
+}
+
+TEST(Separated, AsksCagesOnlyInFrontOfNothingBetter) {
+  const std::vector<Body> all = bodies();
+  const Body& box = find(all, "box");
+  Pose a = Pose::Identity(), b = Pose::Identity();
+  a.linear() = b.linear() = Eigen::AngleAxisd(std::atan(1.0), Vector::UnitZ()).toRotationMatrix();
+  b.translation() = Vector(1, 1, 0).normalized() * 2.7;  // cages 1.05 and 1.3 would do
+  const auto verdict = [&](const Body& x, const PairOptions& options) {
+    return separated(*x.shape, Motion::resting(a), *x.shape, Motion::resting(b), options);
+  };
+  for (const CageUse use : {CageUse::automatic, CageUse::never}) {
+    EXPECT_EQ(verdict(box, {.cages = use}).stage, Stage::fine);
+    EXPECT_TRUE(verdict(box, {.cages = use}).separated);
+  }
+  EXPECT_EQ(verdict(box, {.cages = CageUse::always}).stage, Stage::cage);
+  EXPECT_EQ(verdict(box, {.fine = false}).stage, Stage::cage);
+  EXPECT_EQ(verdict(Body(without_fine(box.sample)), {}).stage, Stage::cage);
+  EXPECT_FALSE(verdict(box, {.cages = CageUse::never, .fine = false}).separated);
 }
 
 TEST(Separated, BodyInsideAnother) {

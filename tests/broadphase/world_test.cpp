@@ -33,7 +33,7 @@ TEST(Worlds, FindWhatBruteForceFindsWhateverTheHistory) {
       if (step == 20) twin.add_half_space();
       CandidateOptions options;
       if (step / 4 % 3 == 1) options.pair.margin = 0.01 * step;
-      if (step / 4 % 3 == 2) options.pair.cages = false;
+      if (step / 4 % 3 == 2) options.pair.cages = CageUse::never;
       const std::vector<Found> expected = twin.brute_force(options.pair);
       CandidateStatistics counts, fresh_counts;
       ASSERT_EQ(candidates(twin.world, options, &counts), expected) << "seed " << seed << ", step " << step;

@@ -83,7 +83,7 @@ TEST(WorldThreads, GiveTheSameInTheSameOrderForAnyExecutor) {
       if (step == 9) all([](Twin& twin) { twin.add_half_space(); });
       CandidateOptions options{.triangles = step % 4 > 1};
       if (step / 6 % 2 == 1) options.pair.margin = 0.2;
-      options.pair.cages = step / 12 == 0;
+      options.pair.cages = step / 12 == 0 ? CageUse::always : CageUse::never;
       const bool with_accept = step % 3 == 1;
       const Record expected = record(twins.back()->world, options, {}, with_accept);
       for (std::size_t i = 0; i < executors.size(); ++i) {
