@@ -39,6 +39,23 @@ struct Box {
     height = half_unit * (low + high);
     thickness = half_unit * (high - low);
   }
+
+  /// Around all boxes of a node; without a slab.
+  static Box around(const WideNode& node) {
+    Box box(node, 0);
+    for (int axis = 0; axis < 3; ++axis) {
+      std::int16_t lower = node.lower[axis][0], upper = node.upper[axis][0];
+      for (int lane = 1; lane < WideNode::width; ++lane) {  // what is unused is empty
+        lower = std::min(lower, node.lower[axis][lane]);
+        upper = std::max(upper, node.upper[axis][lane]);
+      }
+      box.centre[axis] = 0.5F * (static_cast<float>(lower) + static_cast<float>(upper));
+      box.half[axis] = 0.5F * (static_cast<float>(upper) - static_cast<float>(lower));
+      box.normal[axis] = 0;
+    }
+    box.height = box.thickness = 0;
+    return box;
+  }
 };
 
 /// What a moving box covers of the axes during the interval, widened by the gap: a resting box beyond is apart.
@@ -152,142 +169,153 @@ HWY_INLINE hn::Mask<Lanes> beyond_slab(const Boxes& boxes, const SweptSlab& slab
 }
 
 /// How large boxes are, only to compare: a slab's thickness counts more than what it is cut from.
-using Sizes = std::array<float, WideNode::width>;
-
-HWY_INLINE void store_sizes(const Boxes& boxes, float* sizes) {
-  const Lanes d;
+HWY_INLINE Vec sizes(const Boxes& boxes) {
   const auto extent = hn::Add(hn::Add(boxes.extent[0], boxes.extent[1]), boxes.extent[2]);
   const auto thickness = hn::Sub(boxes.slab_upper, boxes.slab_lower);
-  hn::StoreU(hn::Add(hn::Mul(thickness, hn::Set(d, 8.0F)), extent), d, sizes);
+  return hn::Add(hn::Mul(thickness, hn::Set(Lanes(), 8.0F)), extent);
 }
 
-/// Bits of the lanes that the gate does not prove apart from the moving box.
+/// A moving box against boxes of a node that rests.
 template <int kEnds>
-HWY_INLINE std::uint32_t lanes_near(const BoxGate::Side& side, const WideNode& node, const Box& moving, Sizes& sizes) {
-  const Lanes d;
-  Swept swept;
-  sweep<kEnds>(side, moving, swept);
-  const SweptSlab slab = sweep_slab<kEnds>(side, moving);
-  std::uint32_t result = 0;
-  for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
-    Boxes boxes;
-    auto apart = hn::FirstN(d, 0);
+class LaneTest {
+ public:
+  HWY_INLINE LaneTest(const BoxGate::Side& side, const Box& moving)
+      : side_(side), slab_(sweep_slab<kEnds>(side, moving)) {
+    sweep<kEnds>(side, moving, swept_);
+  }
+
+  /// The lanes from `first` on that are proven apart, and what was read of all of them.
+  HWY_INLINE hn::Mask<Lanes> apart(const WideNode& node, std::size_t first, Boxes& boxes) const {
+    const Lanes d;
+    auto result = hn::FirstN(d, 0);
     for (int axis = 0; axis < 3; ++axis) {
       const auto lower = Boxes::widened(node.lower[axis] + first), upper = Boxes::widened(node.upper[axis] + first);
-      apart = hn::Or(apart,
-                     hn::Or(hn::Gt(lower, hn::Set(d, swept.high[axis])), hn::Lt(upper, hn::Set(d, swept.low[axis]))));
+      result = hn::Or(
+          result, hn::Or(hn::Gt(lower, hn::Set(d, swept_.high[axis])), hn::Lt(upper, hn::Set(d, swept_.low[axis]))));
       boxes.sum[axis] = hn::Add(lower, upper);
       boxes.extent[axis] = hn::Sub(upper, lower);
+      boxes.normal[axis] = Boxes::widened(node.normal[axis] + first);
     }
-    if (hn::AllTrue(d, apart)) continue;
+    boxes.slab_lower = Boxes::widened(node.slab_lower + first);
+    boxes.slab_upper = Boxes::widened(node.slab_upper + first);
     for (int axis = 0; axis < 3; ++axis) {
-      const std::array<float, 3>& n = side.oblique[axis];
+      const std::array<float, 3>& n = side_.oblique[axis];
       auto reach = hn::Mul(hn::Set(d, std::abs(n[0])), boxes.extent[0]);
       reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[1])), boxes.extent[1]));
       reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[2])), boxes.extent[2]));
-      apart = hn::Or(apart, beyond(dot(boxes.sum, n.data()), reach, hn::Set(d, swept.low[4 + axis]),
-                                   hn::Set(d, swept.high[4 + axis])));
+      result = hn::Or(result, beyond(dot(boxes.sum, n.data()), reach, hn::Set(d, swept_.low[4 + axis]),
+                                     hn::Set(d, swept_.high[4 + axis])));
     }
-    for (int axis = 0; axis < 3; ++axis) boxes.normal[axis] = Boxes::widened(node.normal[axis] + first);
-    boxes.slab_lower = Boxes::widened(node.slab_lower + first);
-    boxes.slab_upper = Boxes::widened(node.slab_upper + first);
-    apart = hn::Or(apart, beyond_slab(boxes, slab));
-    store_sizes(boxes, sizes.data() + first);
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Not(apart), bits);
-    result |= static_cast<std::uint32_t>(bits[0]) << first;
+    return hn::Or(result, beyond_slab(boxes, slab_));
   }
-  return result;
-}
 
-/// Depth first, but several pairs at a time where there are several: their tests do not wait for each other.
+ private:
+  const BoxGate::Side& side_;
+  SweptSlab slab_;
+  Swept swept_;
+};
+
+/// Depth first, the larger box of a pair being opened.
+template <int kEnds>
 class Traversal {
  public:
-  Traversal(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit, void* context)
-      : a_(a), b_(b), gate_(gate), visit_(visit), context_(context) {}
+  Traversal(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate)
+      : trees_{&a, &b}, sides_{&gate.a, &gate.b} {}
 
-  bool run() {
-    const WideNode& root = b_.nodes[0];
-    for (std::uint32_t lane = 0; lane < WideNode::width; ++lane) {
-      if (root.count(static_cast<int>(lane)) != WideNode::unused)
-        open(a_.nodes[0], {root.link[lane], 0, lane, std::numeric_limits<float>::infinity()}, true);
-    }
+  bool run(VisitLeaves visit, void* context) {
+    // The whole of b against the boxes of a's root; b's root is opened next.
+    open(0, 0, {0, 0, std::numeric_limits<float>::infinity()}, Box::around(trees_[1]->nodes[0]));
     while (size_ > 0) {
-      const Pair pair = stack_[--size_];
-      const int count_a = WideNode::count_of(pair.a.link), count_b = WideNode::count_of(pair.b.link);
-      if (count_a > 0 && count_b > 0) {
-        if (!visit_(context_, pair.a.child(), count_a, pair.b.child(), count_b)) return false;
-        continue;
+      // Several at a time: their tests do not wait for each other.
+      const std::size_t taken = std::min(size_, size_ > crowded ? std::size_t{1} : batch);
+      std::array<Task, batch> tasks;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < taken; ++i) {
+        --size_;
+        const std::uint32_t link_a = stack_[0].link[size_], link_b = stack_[1].link[size_];
+        const int count_a = WideNode::count_of(link_a), count_b = WideNode::count_of(link_b);
+        if (count_a > 0 && count_b > 0) {
+          if (!visit(context, WideNode::child_of(link_a), count_a, WideNode::child_of(link_b), count_b)) return false;
+          continue;
+        }
+        // Without branches: which one it is nobody can predict.
+        const bool larger_a = stack_[0].size[size_] >= stack_[1].size[size_];
+        const std::size_t opened = 1 - static_cast<std::size_t>((count_b > 0) | ((count_a == 0) & larger_a));
+        const Column& other = stack_[1 - opened];
+        tasks[count++] = {opened,
+                          WideNode::child_of(stack_[opened].link[size_]),
+                          {other.link[size_], other.slot[size_], other.size[size_]}};
       }
-      const bool open_a = count_b > 0 || (count_a == 0 && pair.a.size >= pair.b.size);
-      open(open_a ? a_.nodes[pair.a.child()] : b_.nodes[pair.b.child()], open_a ? pair.b : pair.a, open_a);
+      while (count > 0) {
+        --count;
+        const auto& [opened, node, other] = tasks[count];
+        open(opened, node, other,
+             Box(trees_[1 - opened]->nodes[other.slot / WideNode::width], other.slot % WideNode::width));
+      }
     }
     return true;
   }
 
  private:
-  /// A box, by the node that holds it.
+  /// A box of a tree.
   struct Ref {
     std::uint32_t link;
-    std::uint32_t node, lane;
+    std::uint32_t slot;  ///< node * width + lane
     float size;
-    std::int32_t child() const { return WideNode::child_of(link); }
   };
-  struct Pair {
-    Ref a, b;
+  /// A node to open, and the box that is tested against what is in it.
+  struct Task {
+    std::size_t opened;
+    std::int32_t node;
+    Ref other;
   };
-  static constexpr int stack_size = WideNode::width * (2 * WideTree::max_depth + 8);
+  static constexpr std::size_t batch = 4;
+  static constexpr std::size_t crowded = 256;  // from here on one at a time, which bounds the stack
+  // Stores go on behind the top by a vector.
+  static constexpr std::size_t stack_size = crowded + WideNode::width * (batch + 2 * WideTree::max_depth + 9);
+  /// The boxes of one tree, of all pairs on the stack.
+  struct Column {
+    std::array<std::uint32_t, stack_size> link, slot;
+    std::array<float, stack_size> size;
+  };
 
-  /// Tests the boxes of a node, at rest, against a moving box of the other tree; what is not proven apart goes on the
-  /// stack, the first lane on top.
-  HWY_INLINE void open(const WideNode& node, const Ref& other, bool opens_a) {
-    const BoxGate::Side& side = opens_a ? gate_.a : gate_.b;
-    const WideTreeView& tree = opens_a ? a_ : b_;
-    const Box moving((opens_a ? b_ : a_).nodes[other.node], other.lane);
-    std::uint32_t near = (1U << WideNode::width) - 1;
-    Sizes sizes{};
-    if (side.works) {
-      near = gate_.ends == 1 ? lanes_near<1>(side, node, moving, sizes) : lanes_near<2>(side, node, moving, sizes);
-    }
-    const auto index = static_cast<std::uint32_t>(&node - tree.nodes.data());
-    const float step = tree.grid.step;
-    while (near != 0) {
-      const int lane = 31 - __builtin_clz(near);
-      near &= ~(1U << lane);
-      if (node.count(lane) == WideNode::unused) continue;
-      prefetch(tree, node.link[lane]);
-      const Ref box{node.link[lane], index, static_cast<std::uint32_t>(lane), sizes[lane] * step};
-      Pair& pair = stack_[size_++];
-      (opens_a ? pair.a : pair.b) = box;
-      (opens_a ? pair.b : pair.a) = other;
+  /// Tests the boxes of a node of tree `resting` against a box of the other one. What is not proven apart goes on the
+  /// stack.
+  HWY_INLINE void open(std::size_t resting, std::int32_t index, Ref other, const Box& moving) {
+    const Lanes d;
+    const hn::RebindToUnsigned<Lanes> du;
+    const BoxGate::Side& side = *sides_[resting];
+    const WideNode& node = trees_[resting]->nodes[index];
+    const LaneTest<kEnds> test(side, moving);
+    const auto step = hn::Set(d, trees_[resting]->grid.step);
+    Column &rests = stack_[resting], &moves = stack_[1 - resting];
+    for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
+      Boxes boxes;
+      const auto apart = test.apart(node, first, boxes);
+      const auto link = hn::LoadU(du, node.link + first);
+      const auto used = hn::Lt(link, hn::Set(du, WideNode::unused_link));
+      const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;
+      const auto slot =
+          hn::Iota(du, static_cast<std::uint32_t>(index * WideNode::width + static_cast<std::int32_t>(first)));
+      hn::StoreU(hn::Compress(link, near), du, rests.link.data() + size_);
+      hn::StoreU(hn::Compress(slot, near), du, rests.slot.data() + size_);
+      hn::StoreU(hn::Compress(hn::Mul(sizes(boxes), step), hn::RebindMask(d, near)), d, rests.size.data() + size_);
+      hn::StoreU(hn::Set(du, other.link), du, moves.link.data() + size_);
+      hn::StoreU(hn::Set(du, other.slot), du, moves.slot.data() + size_);
+      hn::StoreU(hn::Set(d, other.size), d, moves.size.data() + size_);
+      size_ += hn::CountTrue(du, near);
     }
   }
 
-  /// What is below a box will be wanted soon.
-  static void prefetch(const WideTreeView& tree, std::uint32_t link) {
-    const std::int32_t child = WideNode::child_of(link);
-    if (WideNode::count_of(link) > 0) {
-      hwy::Prefetch(&tree.leaves[child]);
-      return;
-    }
-    const WideNode& node = tree.nodes[child];
-    hwy::Prefetch(&node);
-    hwy::Prefetch(node.link);
-    hwy::Prefetch(node.normal);
-  }
-
-  const WideTreeView& a_;
-  const WideTreeView& b_;
-  const BoxGate& gate_;
-  VisitLeaves visit_;
-  void* context_;
-  int size_ = 0;
-  std::array<Pair, stack_size> stack_;
+  std::array<const WideTreeView*, 2> trees_;   // a, b
+  std::array<const BoxGate::Side*, 2> sides_;  // by the tree at rest
+  std::size_t size_ = 0;
+  std::array<Column, 2> stack_;
 };
 
 bool visit_leaf_pairs(const WideTreeView& a, const WideTreeView& b, const BoxGate& gate, VisitLeaves visit,
                       void* context) {
-  return Traversal(a, b, gate, visit, context).run();
+  return gate.ends == 1 ? Traversal<1>(a, b, gate).run(visit, context) : Traversal<2>(a, b, gate).run(visit, context);
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -330,10 +358,12 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   const double step = body.grid.step, ratio = other.grid.step / step;
   const Vector middle = as_vector(body.grid.middle), other_middle = as_vector(other.grid.middle);
   std::array<AffineMap, 2> relative;
-  double stretch = 1, offset = 0;
+  double stretch = 1, offset = 0, shrink = 1;
   bool finite = true;  // NaN would not survive the maxima
   for (int end = 0; end < ends; ++end) {
-    const Matrix inverse = maps[end].linear.inverse();
+    const bool identity = maps[end].linear == Matrix::Identity();
+    const Matrix inverse = identity ? Matrix(Matrix::Identity()) : Matrix(maps[end].linear.inverse());
+    if (end == 0 && !identity) shrink = 1 / norm_bound(inverse);
     relative[end] = {inverse * others[end].linear, inverse * (others[end].offset - maps[end].offset)};
     finite = finite && relative[end].linear.allFinite() && relative[end].offset.allFinite();
     stretch = std::max(stretch, norm_bound(relative[end].linear));
@@ -357,7 +387,7 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   // With A(t) the map of the body at rest and l(t) the straight line, the moving point p(t) is off by
   // A(t) l(t) - p(t) = t (1 - t) (A1 - A0) (l(0) - l(1)); and A(t) shrinks distances to 1 / |A0^-1| - |A1 - A0| at
   // least.
-  double shrink = 1 / norm_bound(maps[0].linear.inverse()), bulge = 0;
+  double bulge = 0;
   if (ends == 2) {
     const double turn = (maps[1].linear - maps[0].linear).norm();
     const double way = (relative[1].linear - relative[0].linear).norm() * other.radius +
