@@ -5,7 +5,6 @@
 
 #include "broadphase/box_gate.h"
 
-#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #include "broadphase/surface_pair.h"
 
 #include "broadphase/box_gate.h"
+#include "broadphase/leaf_gate.h"
 
 #include <cmath>
 
@@ -18,30 +19,6 @@ void move(const Surface& surface, const std::array<AffineMap, 2>& maps, const Le
   }
 }
 
-/// A triangle, and its box at both ends.
-struct MovedTriangle {
-  MovingTriangle corners;
-  std::array<Eigen::Array3d, 2> low, high;
-
-  void bound(int ends) {
-    for (int end = 0; end < ends; ++end) {
-      const TriangleD& t = end == 0 ? corners.start : corners.end;
-      low[end] = t[0].array().min(t[1].array()).min(t[2].array());
-      high[end] = t[0].array().max(t[1].array()).max(t[2].array());
-    }
-  }
-
-  /// True only if a coordinate axis separates the boxes by more than `distance` at all ends, in the same sense.
-  bool apart(const MovedTriangle& other, int ends, double distance) const {
-    Eigen::Array3d above = low[0] - other.high[0], below = other.low[0] - high[0];
-    if (ends == 2) {
-      above = above.min(low[1] - other.high[1]);
-      below = below.min(other.low[1] - high[1]);
-    }
-    return (above > distance).any() || (below > distance).any();
-  }
-};
-
 /// Tests the triangles of pairs of leaves.
 struct LeafTest {
   const Surface& a;
@@ -52,27 +29,33 @@ struct LeafTest {
   VisitTriangles visit;
   void* context;
 
-  bool apart(const MovedTriangle& ta, const MovedTriangle& tb, int ends) const {
-    if (ta.apart(tb, ends, distance)) return true;
-    if (motion.at_rest) return triangles_apart(ta.corners.start, tb.corners.start, distance);
-    return quickly_apart(ta.corners, tb.corners, distance) ||
-           (effort == Effort::full && moving_triangles_apart(ta.corners, tb.corners, distance));
+  static LeafLanes moved(const Surface& surface, const std::array<AffineMap, 2>& maps, std::int32_t first,
+                         std::int32_t count, int ends) {
+    LeafLanes lanes;
+    MovingTriangle triangle;
+    for (std::int32_t i = 0; i < LeafLanes::width; ++i) {
+      if (i < count) move(surface, maps, surface.tree.leaves[first + i], ends, triangle);
+      lanes.set(i, triangle, ends);
+    }
+    return lanes;
+  }
+
+  /// For what lanes_not_apart() leaves.
+  bool apart(const MovingTriangle& ta, const MovingTriangle& tb) const {
+    if (motion.at_rest) return triangles_apart(ta.start, tb.start, distance);
+    return effort == Effort::full && moving_triangles_apart(ta, tb, distance);
   }
 
   bool leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) const {
     const int ends = motion.at_rest ? 1 : 2;
-    std::array<MovedTriangle, WideTree::leaf_size> moved;
+    const LeafLanes lanes_a = moved(a, motion.a, first_a, count_a, ends);
+    const LeafLanes lanes_b = moved(b, motion.b, first_b, count_b, ends);
     for (std::int32_t i = 0; i < count_a; ++i) {
-      move(a, motion.a, a.tree.leaves[first_a + i], ends, moved[i].corners);
-      moved[i].bound(ends);
-    }
-    for (std::int32_t j = first_b; j < first_b + count_b; ++j) {
-      MovedTriangle tb;
-      move(b, motion.b, b.tree.leaves[j], ends, tb.corners);
-      tb.bound(ends);
-      for (std::int32_t i = 0; i < count_a; ++i) {
-        if (apart(moved[i], tb, ends)) continue;
-        if (!visit(context, a.tree.leaves[first_a + i].triangle, b.tree.leaves[j].triangle)) return false;
+      std::uint32_t left = lanes_not_apart(lanes_a, i, lanes_b, count_b, ends, distance);
+      for (; left != 0; left &= left - 1) {
+        const int j = __builtin_ctz(left);
+        if (apart(lanes_a.triangle(i, ends), lanes_b.triangle(j, ends))) continue;
+        if (!visit(context, a.tree.leaves[first_a + i].triangle, b.tree.leaves[first_b + j].triangle)) return false;
       }
     }
     return true;

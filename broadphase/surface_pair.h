@@ -23,7 +23,7 @@ bool surfaces_apart(const Surface& a, const Surface& b, const PairMotion& motion
 
 /// How much work telling two moving triangles apart is worth.
 enum class Effort {
-  quick,  ///< quickly_apart()
+  quick,  ///< lanes_not_apart()
   full,   ///< moving_triangles_apart()
 };
 

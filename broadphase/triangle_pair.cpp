@@ -107,16 +107,6 @@ bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) no
   return any_axis(a, b, [&](const Vector& n) { return axis_separates(n, a, b, distance); });
 }
 
-bool quickly_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept {
-  const Piece piece{a, b, distance};
-  const TriangleD middle_a = middle(a), middle_b = middle(b);
-  if (piece.separated_by(middle_b[0] + middle_b[1] + middle_b[2] - (middle_a[0] + middle_a[1] + middle_a[2]))) {
-    return true;
-  }
-  return piece.separated_by((middle_a[1] - middle_a[0]).cross(middle_a[2] - middle_a[0])) ||
-         piece.separated_by((middle_b[1] - middle_b[0]).cross(middle_b[2] - middle_b[0]));
-}
-
 bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept {
   return apart_in(a, b, distance, 0);
 }

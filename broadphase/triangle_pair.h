@@ -23,10 +23,6 @@ struct MovingTriangle {
 /// edges, or edge ends, their direction is among them. Degenerate triangles are allowed.
 bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept;
 
-/// Quick and one-sided: true only if the triangles stay farther apart than `distance` while they move, by one of
-/// few axes that suit the middle of the motion.
-bool quickly_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept;
-
 /// True only if the triangles stay farther apart than `distance` > 0 while they
 /// move. Cuts time into halves, 2^-8 at the shortest, and looks for one axis
 /// for each piece that separates both its ends, hence all between. `distance` covers rounding as above.

@@ -13,7 +13,7 @@ namespace {
 using Box = Eigen::AlignedBox3d;
 using Index = std::int32_t;
 
-constexpr int bin_count = 16;
+constexpr int bin_count = 32;
 // Below this depth the tree follows the heuristic; from here on it halves, which
 // needs at most 31 further levels for 2^31 triangles.
 constexpr int heuristic_depth = Bvh::max_depth - 32;

@@ -8,6 +8,7 @@
 #include "bench/micro/benches.h"
 #include "broadphase/containment.h"
 #include "broadphase/frame.h"
+#include "broadphase/leaf_gate.h"
 #include "broadphase/shape.h"
 #include "tests/shapes.h"
 
@@ -51,14 +52,33 @@ void add_points(const std::string& level, const Surface& surface, const Workload
   });
 }
 
+struct LanesCase {
+  LeafLanes a, b;
+};
+
+/// A triangle of one pair against those of as many pairs as there are lanes.
+std::vector<LanesCase> side_by_side(const std::vector<TrianglePairCase>& triangles) {
+  std::vector<LanesCase> cases(triangles.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    for (int lane = 0; lane < LeafLanes::width; ++lane) {
+      cases[i].a.set(lane, triangles[i].a, 2);
+      cases[i].b.set(lane, triangles[(i + static_cast<std::size_t>(lane)) % cases.size()].b, 2);
+    }
+  }
+  return cases;
+}
+
 }  // namespace
 
 void add_kernels(const Workload& w) {
   static const std::vector<TrianglePairCase> triangles = near_triangles(w);
   add("kernel/triangles_apart/rest", triangles,
       [](const TrianglePairCase& t) { return triangles_apart(t.a.start, t.b.start, distance); });
-  add("kernel/triangles_apart/moving_quick", triangles,
-      [](const TrianglePairCase& t) { return quickly_apart(t.a, t.b, distance); });
+  static const std::vector<LanesCase> lanes = side_by_side(triangles);
+  for (const int ends : {1, 2}) {
+    add(ends == 1 ? "kernel/lanes_apart/rest" : "kernel/lanes_apart/moving", lanes,
+        [ends](const LanesCase& c) { return lanes_not_apart(c.a, 0, c.b, LeafLanes::width, ends, distance); });
+  }
   add("kernel/triangles_apart/moving_full", triangles,
       [](const TrianglePairCase& t) { return moving_triangles_apart(t.a, t.b, distance); });
   add("kernel/vertex_face_time", triangles,

@@ -60,7 +60,7 @@ std::unique_ptr<PairKind> contact_pairs();     ///< first_contact()
 std::unique_ptr<PairKind> plane_pairs();       ///< separated() and first_contact() of a half-space
 std::unique_ptr<PairKind> gate_pairs();        ///< BoxGate
 std::unique_ptr<PairKind> triangle_pairs();    ///< triangles_apart()
-std::unique_ptr<PairKind> moving_triangles();  ///< moving_triangles_apart(), quickly_apart()
+std::unique_ptr<PairKind> moving_triangles();  ///< moving_triangles_apart(), lanes_not_apart()
 std::unique_ptr<PairKind> vertex_faces();      ///< vertex_face_time()
 std::unique_ptr<PairKind> edge_edges();        ///< edge_edge_time()
 std::unique_ptr<PairKind> points();            ///< locate(): point in solid

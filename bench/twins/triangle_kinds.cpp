@@ -11,6 +11,7 @@
 #include "bench/twins/triangle_truth.h"
 #include "tests/broadphase/exact_pair.h"
 #include "tests/broadphase/exact_sweep.h"
+#include "tests/broadphase/lanes.h"
 #include "tests/broadphase/sampled.h"
 
 namespace encage::twins {
@@ -62,11 +63,12 @@ class TrianglePairs : public PairKind {
     if (random.below(3) == 0) margin = nudged(random, static_cast<double>(test::triangle_distance(real(a), real(b))));
 
     const double distance = required(margin, largest_norm(a) + largest_norm(b));
+    const bool by_lanes = test::lanes_apart({a, a}, {b, b}, 1, distance);
     Outcome outcome{.rejected = triangles_apart(a, b, distance), .sampled = true, .truth = Truth::apart};
     if (test::triangles_meet(a, b, margin)) {
       outcome.truth = margin > 0 && !test::triangles_meet(a, b, 0) ? Truth::within_margin : Truth::touching;
     }
-    outcome.missed = outcome.rejected && outcome.truth != Truth::apart;
+    outcome.missed = (outcome.rejected || by_lanes) && outcome.truth != Truth::apart;
     if (outcome.missed) outcome.what = text(a) + " and" + text(b) + ", margin " + std::to_string(margin);
     outcome.far = outcome.truth == Truth::apart && !test::triangles_meet(a, b, margin + 1e-6 * setting.scale);
     return outcome;
@@ -97,7 +99,7 @@ class MovingTriangles : public PairKind {
     const double norms =
         std::max(largest_norm(a.start), largest_norm(a.end)) + std::max(largest_norm(b.start), largest_norm(b.end));
     const double distance = required(margin, norms);
-    const bool quick = quickly_apart(a, b, distance);
+    const bool quick = test::lanes_apart(a, b, 2, distance);
     Outcome outcome{.rejected = moving_triangles_apart(a, b, distance), .sampled = true, .truth = Truth::apart};
     const test::MovingMesh mesh_a = mesh_of(a), mesh_b = mesh_of(b);
     if (exact_contact(mesh_a, mesh_b)) {

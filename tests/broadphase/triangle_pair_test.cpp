@@ -2,6 +2,7 @@
 #include "broadphase/triangle_pair.h"
 
 #include "tests/broadphase/exact_pair.h"
+#include "tests/broadphase/lanes.h"
 #include "tests/broadphase/sampled.h"
 
 #include <gtest/gtest.h>
@@ -132,7 +133,7 @@ TEST_F(MovingTrianglePairs, NeverApartWhenTheyComeNear) {
     shift(b, point() * 1.5);
     const double margin = i % 3 == 0 ? 0 : uniform(0, 0.5);
     const bool said = moving_triangles_apart(a, b, margin + slack(6));
-    const bool said_quickly = quickly_apart(a, b, margin + slack(6));
+    const bool said_quickly = test::lanes_apart(a, b, 2, margin + slack(6));
     const test::Real least = least_distance(a, b);
     full += said;
     quick += said_quickly;
@@ -158,7 +159,7 @@ TEST_F(MovingTrianglePairs, FindsWhatIsApartByLittle) {
       if (least <= 2 * least_gap) continue;
       ++asked;
       ASSERT_TRUE(moving_triangles_apart(a, b, least - least_gap)) << "pair " << i << ", " << turn;
-      quick += quickly_apart(a, b, 0.5 * least);
+      quick += test::lanes_apart(a, b, 2, 0.5 * least);
     }
     EXPECT_GT(asked, 300);
     EXPECT_GT(quick * 10, asked * 8);
@@ -170,8 +171,10 @@ TEST_F(MovingTrianglePairs, AtRestTheSameAsTriangles) {
     const TriangleD a = triangle(), b = triangle();
     const double distance = uniform(0, 1);
     EXPECT_EQ(moving_triangles_apart({a, a}, {b, b}, distance), triangles_apart(a, b, distance)) << "pair " << i;
-    if (quickly_apart({a, a}, {b, b}, distance)) {
-      EXPECT_TRUE(triangles_apart(a, b, distance - 1e-9)) << "pair " << i;
+    for (const int ends : {1, 2}) {
+      if (test::lanes_apart({a, a}, {b, b}, ends, distance)) {
+        EXPECT_TRUE(triangles_apart(a, b, distance - 1e-9)) << "pair " << i;
+      }
     }
   }
 }
@@ -185,7 +188,7 @@ TEST_F(MovingTrianglePairs, WhatPassesThroughIsNotApart) {
       m.end[k] = 0.1 * face[k] + Vector(0.2, 0.2, -height);
     }
     EXPECT_FALSE(moving_triangles_apart({face, face}, m, 1e-12 * height));
-    EXPECT_FALSE(quickly_apart({face, face}, m, 1e-12 * height));
+    EXPECT_FALSE(test::lanes_apart({face, face}, m, 2, 1e-12 * height));
     // Beside it, as fast.
     shift(m, Vector(2, 0, 0));
     EXPECT_TRUE(moving_triangles_apart({face, face}, m, 1e-9));
