@@ -11,6 +11,31 @@
 #include <cmath>
 #include <limits>
 
+#ifndef ENCAGE_BOX_GATE_PACKING  // once for all instruction sets
+#define ENCAGE_BOX_GATE_PACKING
+namespace encage {
+namespace {
+
+/// For every set of lanes: how many they are, and their numbers in order, then zeros.
+struct PackingTable {
+  std::array<std::uint8_t, 256> counts = {};
+  std::array<std::array<std::int32_t, 8>, 256> indices = {};
+};
+
+constexpr PackingTable packing = [] {
+  PackingTable table;
+  for (unsigned bits = 0; bits < 256; ++bits) {
+    for (std::int32_t lane = 0; lane < 8; ++lane) {
+      if ((bits >> lane & 1U) != 0) table.indices[bits][table.counts[bits]++] = lane;
+    }
+  }
+  return table;
+}();
+
+}  // namespace
+}  // namespace encage
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
@@ -18,6 +43,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<float, WideNode::width>;      // boxes of a node
 using Axes = hn::CappedTag<float, BoxGate::Side::lanes>;  // axes of a gate
+using Numbers = hn::RebindToUnsigned<Lanes>;
 using Vec = hn::Vec<Lanes>;
 
 /// A box of a tree and the slab in it, in places of its grid.
@@ -174,6 +200,25 @@ HWY_INLINE Vec sizes(const Boxes& boxes) {
   return hn::Add(hn::Mul(thickness, hn::Set(Lanes(), 8.0F)), extent);
 }
 
+/// Moves the lanes of a mask to the front, in order. (g++ copies the table of Highway's Compress onto the stack for
+/// each use on AVX2.)
+class Packing {
+ public:
+  HWY_INLINE explicit Packing(hn::Mask<Numbers> mask) {
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(Numbers(), mask, bits);
+    count_ = packing.counts[bits[0]];
+    indices_ = hn::SetTableIndices(Numbers(), packing.indices[bits[0]].data());
+  }
+  HWY_INLINE hn::Vec<Numbers> operator()(hn::Vec<Numbers> v) const { return hn::TableLookupLanes(v, indices_); }
+  HWY_INLINE Vec operator()(Vec v) const { return hn::BitCast(Lanes(), (*this)(hn::BitCast(Numbers(), v))); }
+  std::size_t count() const { return count_; }
+
+ private:
+  std::size_t count_;
+  decltype(hn::SetTableIndices(Numbers(), static_cast<const std::int32_t*>(nullptr))) indices_;
+};
+
 /// A moving box against boxes of a node that rests.
 template <int kEnds>
 class LaneTest {
@@ -282,7 +327,7 @@ class Traversal {
   /// stack.
   HWY_INLINE void open(std::size_t resting, std::int32_t index, Ref other, const Box& moving) {
     const Lanes d;
-    const hn::RebindToUnsigned<Lanes> du;
+    const Numbers du;
     const BoxGate::Side& side = *sides_[resting];
     const WideNode& node = trees_[resting]->nodes[index];
     const LaneTest<kEnds> test(side, moving);
@@ -296,13 +341,14 @@ class Traversal {
       const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;
       const auto slot =
           hn::Iota(du, static_cast<std::uint32_t>(index * WideNode::width + static_cast<std::int32_t>(first)));
-      hn::StoreU(hn::Compress(link, near), du, rests.link.data() + size_);
-      hn::StoreU(hn::Compress(slot, near), du, rests.slot.data() + size_);
-      hn::StoreU(hn::Compress(hn::Mul(sizes(boxes), step), hn::RebindMask(d, near)), d, rests.size.data() + size_);
+      const Packing pack(near);
+      hn::StoreU(pack(link), du, rests.link.data() + size_);
+      hn::StoreU(pack(slot), du, rests.slot.data() + size_);
+      hn::StoreU(pack(hn::Mul(sizes(boxes), step)), d, rests.size.data() + size_);
       hn::StoreU(hn::Set(du, other.link), du, moves.link.data() + size_);
       hn::StoreU(hn::Set(du, other.slot), du, moves.slot.data() + size_);
       hn::StoreU(hn::Set(d, other.size), d, moves.size.data() + size_);
-      size_ += hn::CountTrue(du, near);
+      size_ += pack.count();
     }
   }
 
