@@ -2,6 +2,7 @@
 #include "bench/tank/measure.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <stdexcept>
 
@@ -48,14 +49,15 @@ class Meter {
     leave_out(result);
     for (const Baseline baseline : {Baseline::rebuild_kdop, Baseline::rebuild_embree, Baseline::prebuilt}) {
       if (baseline != Baseline::prebuilt && sample_.empty()) continue;
-      for (const bool cages : {false, true}) {
+      for (const CageUse cages : {CageUse::never, CageUse::always, CageUse::automatic}) {
+        if (cages == CageUse::automatic && baseline != Baseline::prebuilt) continue;  // there is no fine tree to ask
         contestants_.push_back({make_strategy(body_, baseline, cages, options_.strategy),
                                 baseline == Baseline::prebuilt ? all_ : sample_,
                                 {},
                                 {}});
       }
     }
-    prebuilt_ = contestants_.size() - 2;
+    prebuilt_ = contestants_.size() - prebuilt_count;
     run_prebuilt();
     if (!sample_.empty()) run_rebuild();
     summarize(result);
@@ -73,12 +75,12 @@ class Meter {
   }
 
   void run_prebuilt() {
-    const std::size_t total = 2 * all_.size() * static_cast<std::size_t>(options_.runs);
+    const std::size_t total = prebuilt_count * all_.size() * static_cast<std::size_t>(options_.runs);
     std::size_t done = 0;
-    std::vector<std::vector<double>> times[2] = {std::vector<std::vector<double>>(all_.size()),
-                                                 std::vector<std::vector<double>>(all_.size())};
+    std::array<std::vector<std::vector<double>>, prebuilt_count> times;
+    times.fill(std::vector<std::vector<double>>(all_.size()));
     for (int r = 0; r < options_.runs; ++r) {
-      for (std::size_t s = 0; s < 2; ++s) {
+      for (std::size_t s = 0; s < prebuilt_count; ++s) {
         Contestant& contestant = contestants_[prebuilt_ + s];
         contestant.answers.resize(all_.size());
         for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -87,7 +89,7 @@ class Meter {
         }
       }
     }
-    for (std::size_t s = 0; s < 2; ++s) {
+    for (std::size_t s = 0; s < prebuilt_count; ++s) {
       for (std::vector<double>& runs : times[s]) contestants_[prebuilt_ + s].milliseconds.push_back(median(runs));
     }
   }
@@ -131,9 +133,10 @@ class Meter {
         }
       }
       // The stages on bodies are the same for all baselines, and the prebuilt ones went through all steps.
-      for (const Detection& answer : contestants_[prebuilt_ + s % 2].answers) r.bodies += answer.bodies;
+      const std::size_t same = s < prebuilt_ ? prebuilt_ + s % 2 : s;
+      for (const Detection& answer : contestants_[same].answers) r.bodies += answer.bodies;
     }
-    result.counts = result.strategies.back().counts;
+    result.counts = result.strategy("prebuilt+cages").counts;
     for (const Detection& answer : contestants_[prebuilt_].answers) result.oracle_bodies += touching_bodies(answer);
   }
 
@@ -170,8 +173,9 @@ class Meter {
   const MeasureOptions& options_;
   std::vector<std::int64_t> all_, sample_;  // indices of steps_
   std::vector<std::vector<BodyPair>> left_out_;
-  std::vector<Contestant> contestants_;  // with and without cages in turn; the last two need no rebuilding
-  std::size_t prebuilt_ = 0;             // the first of these two
+  static constexpr std::size_t prebuilt_count = 3;
+  std::vector<Contestant> contestants_;  // without and with cages in turn; the last ones need no rebuilding
+  std::size_t prebuilt_ = 0;             // the first of these
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ RecordedStep fall(double gap) {
 TEST(ExactJudge, ConfirmsRealContactsOfEveryKind) {
   const TankBody body = test::sample_body("star");
   const Judge judge = exact_judge(body, {});
-  Strategy strategy = make_strategy(body, Baseline::rebuild_kdop, false);
+  Strategy strategy = make_strategy(body, Baseline::rebuild_kdop, CageUse::never);
   int kinds[3] = {0, 0, 0};
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
     const RecordedStep step = test::crowded_step(0, seed);
@@ -42,7 +42,7 @@ TEST(ExactJudge, ConfirmsRealContactsOfEveryKind) {
 TEST(ExactJudge, RefutesFeaturesThatDoNotMeet) {
   const TankBody body = test::sample_body("box");
   const Judge judge = exact_judge(body, {});
-  Strategy strategy = make_strategy(body, Baseline::prebuilt, false);
+  Strategy strategy = make_strategy(body, Baseline::prebuilt, CageUse::never);
   const RecordedStep step = fall(0.5);
   std::vector<BodyContact> contacts = strategy.detect(step).contacts;
   ASSERT_EQ(contacts.size(), 1U);
@@ -58,7 +58,7 @@ TEST(ExactJudge, MindsTheMargin) {
   const TankBody body = test::sample_body("box");
   StrategyOptions options;
   options.contact.margin = 0.01;
-  Strategy strategy = make_strategy(body, Baseline::prebuilt, false, options);
+  Strategy strategy = make_strategy(body, Baseline::prebuilt, CageUse::never, options);
   const RecordedStep step = fall(1.005);
   const std::vector<BodyContact> contacts = strategy.detect(step).contacts;
   ASSERT_EQ(contacts.size(), 1U);

@@ -38,7 +38,7 @@ TEST_F(Measured, PrebuiltOnAllStepsTheOthersOnTheSample) {
   const Measurement m = measure(body, recording, options);
   EXPECT_EQ(m.steps, 9);
   EXPECT_EQ(m.sampled_steps, 4);
-  ASSERT_EQ(m.strategies.size(), 6U);
+  ASSERT_EQ(m.strategies.size(), 7U);
   for (const StrategyResult& r : m.strategies) {
     EXPECT_EQ(r.steps_timed, r.rebuilds ? 4 : 9) << r.name;
     EXPECT_GT(r.ms_per_step, 0) << r.name;
@@ -54,8 +54,8 @@ TEST_F(Measured, PrebuiltOnAllStepsTheOthersOnTheSample) {
 
 TEST_F(Measured, CountsBodiesOverAllSteps) {
   const Measurement m = measure(body, recording, options);
-  Strategy without = make_strategy(body, Baseline::prebuilt, false),
-           with = make_strategy(body, Baseline::prebuilt, true);
+  Strategy without = make_strategy(body, Baseline::prebuilt, CageUse::never),
+           with = make_strategy(body, Baseline::prebuilt, CageUse::always);
   std::int64_t bodies = 0, bodies_with_cages = 0, oracle = 0, left_out = 0;
   StageCounts counts;
   for (const RecordedStep& step : recording.steps) {
@@ -89,13 +89,13 @@ TEST_F(Measured, AsksTheJudgeAboutEveryContact) {
   options.rebuild_steps = 0;
   const Measurement m = measure(body, recording, options);
   EXPECT_EQ(asked, m.counts.touching);
-  EXPECT_EQ(m.faults(), (Faults{0, 2 * asked}));
+  EXPECT_EQ(m.faults(), (Faults{0, 3 * asked}));
 }
 
 TEST_F(Measured, WithoutSampleNothingIsRebuilt) {
   options.rebuild_steps = 0;
   const Measurement m = measure(body, recording, options);
-  EXPECT_EQ(m.strategies.size(), 2U);
+  EXPECT_EQ(m.strategies.size(), 3U);
   EXPECT_EQ(m.speedup("rebuild_kdop", "prebuilt"), 0);
   EXPECT_GT(m.speedup_count(), 1);
 }

@@ -16,8 +16,8 @@ Measurement sample() {
   m.counts = {1000, 200, 50, 20};
   m.oracle_bodies = 40;
   double ms = 64;
-  for (const char* name :
-       {"rebuild_kdop", "rebuild_kdop+cages", "rebuild_embree", "rebuild_embree+cages", "prebuilt", "prebuilt+cages"}) {
+  for (const char* name : {"rebuild_kdop", "rebuild_kdop+cages", "rebuild_embree", "rebuild_embree+cages", "prebuilt",
+                           "prebuilt+cages", "prebuilt+policy"}) {
     StrategyResult& r = m.strategies.emplace_back();
     r.name = name;
     r.rebuilds = r.name.starts_with("rebuild");
@@ -42,10 +42,11 @@ TEST(MeasurementReport, JsonHasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(kdop.at("rejects_by_stage").at("cages"), 1);
   EXPECT_EQ(kdop.at("rejects_by_stage").at("triangles"), 1.5);
   EXPECT_EQ(json.at("strategies").at("prebuilt").at("bodies_rebuilt_per_step"), 0);
-  EXPECT_EQ(json.at("strategies").size(), 6U);
+  EXPECT_EQ(json.at("strategies").size(), 7U);
   EXPECT_EQ(json.at("oracle_bodies_per_step"), 0.4);
   EXPECT_EQ(json.at("speedup_paper"), 2);
   EXPECT_EQ(json.at("speedup_embree"), 2);
+  EXPECT_EQ(json.at("speedup_policy"), 4);
   EXPECT_EQ(json.at("prebuilt_over_kdop"), 16);
   EXPECT_EQ(json.at("prebuilt_over_embree_cages"), 2);
   EXPECT_EQ(json.at("speedup_count"), 3);

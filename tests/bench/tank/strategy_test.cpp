@@ -54,7 +54,7 @@ TEST(Strategies, AllFindWhatBruteForceFinds) {
       const std::vector<BodyContact> expected = brute_force(body, step, options.contact);
       contacts += static_cast<std::int64_t>(expected.size());
       for (const Baseline baseline : baselines) {
-        for (const bool cages : {false, true}) {
+        for (const CageUse cages : {CageUse::never, CageUse::always, CageUse::automatic}) {
           Strategy strategy = make_strategy(body, baseline, cages, options);
           SCOPED_TRACE(strategy.name() + " of " + name);
           const Detection detection = strategy.detect(step);
@@ -62,7 +62,7 @@ TEST(Strategies, AllFindWhatBruteForceFinds) {
           EXPECT_EQ(detection.counts.pairs, 66);
           EXPECT_EQ(detection.counts.touching, static_cast<std::int64_t>(expected.size()));
           EXPECT_LE(detection.counts.boxes, 66);
-          EXPECT_TRUE(cages || detection.counts.cages == detection.counts.boxes);
+          EXPECT_TRUE(cages != CageUse::never || detection.counts.cages == detection.counts.boxes);
           rejected_by_cages += detection.counts.boxes - detection.counts.cages;
         }
       }
@@ -75,24 +75,25 @@ TEST(Strategies, AllFindWhatBruteForceFinds) {
 TEST(Strategies, AnswerTheSameAgain) {
   const TankBody body = test::sample_body("star");
   for (const Baseline baseline : baselines) {
-    Strategy used = make_strategy(body, baseline, true);
+    Strategy used = make_strategy(body, baseline, CageUse::always);
     used.detect(test::crowded_step(0, 1));
     const RecordedStep step = test::crowded_step(1, 2);
-    expect_equal(used.detect(step).contacts, make_strategy(body, baseline, true).detect(step).contacts);
+    expect_equal(used.detect(step).contacts, make_strategy(body, baseline, CageUse::always).detect(step).contacts);
   }
 }
 
 TEST(Strategies, AreNamedAfterWhatTheyDo) {
   const TankBody body = test::sample_body("box");
-  EXPECT_EQ(make_strategy(body, Baseline::rebuild_kdop, false).name(), "rebuild_kdop");
-  EXPECT_EQ(make_strategy(body, Baseline::rebuild_embree, true).name(), "rebuild_embree+cages");
-  EXPECT_EQ(make_strategy(body, Baseline::prebuilt, true).name(), "prebuilt+cages");
+  EXPECT_EQ(make_strategy(body, Baseline::rebuild_kdop, CageUse::never).name(), "rebuild_kdop");
+  EXPECT_EQ(make_strategy(body, Baseline::rebuild_embree, CageUse::always).name(), "rebuild_embree+cages");
+  EXPECT_EQ(make_strategy(body, Baseline::prebuilt, CageUse::always).name(), "prebuilt+cages");
+  EXPECT_EQ(make_strategy(body, Baseline::prebuilt, CageUse::automatic).name(), "prebuilt+policy");
 }
 
 TEST(PairFilter, CountsEachBodyOnceAndLeavesPairsOut) {
   const TankBody body = test::sample_body("star");
   const RecordedStep step = test::crowded_step(0, 3);
-  const PairFilter filter(body, false, {});
+  const PairFilter filter(body, CageUse::never, {});
   const Survivors all = filter.run(step);
   ASSERT_GT(all.pairs.size(), 3U);
   EXPECT_TRUE(std::is_sorted(all.pairs.begin(), all.pairs.end()));
@@ -114,8 +115,8 @@ TEST(PairFilter, CoarserCagesRejectLess) {
   std::int64_t fine_left = 0, coarse_left = 0;
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
     const RecordedStep step = test::crowded_step(0, seed);
-    fine_left += PairFilter(body, true, {}).run(step).counts.cages;
-    coarse_left += PairFilter(body, true, coarse).run(step).counts.cages;
+    fine_left += PairFilter(body, CageUse::always, {}).run(step).counts.cages;
+    coarse_left += PairFilter(body, CageUse::always, coarse).run(step).counts.cages;
   }
   EXPECT_LT(fine_left, coarse_left);
 }
