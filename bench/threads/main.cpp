@@ -37,7 +37,7 @@ struct Arguments {
   std::vector<int> threads = {1, 2};
   StepsOptions steps;
   bool triangles = false;
-  bool no_cages = false;
+  bool cages = false;
   int runs = 5;
 };
 
@@ -58,7 +58,7 @@ void define(CLI::App& app, Arguments& a) {
       ->type_name("N");
   app.add_flag("--continuous", a.steps.continuous, "Bodies move to their next poses; otherwise they rest");
   app.add_flag("--triangles", a.triangles, "Collect candidate triangles");
-  app.add_flag("--no-cages", a.no_cages, "Ask the fine meshes alone");
+  app.add_flag("--cages", a.cages, "Ask cages before the fine meshes");
   app.add_option("--runs", a.runs, "Runs; the median time of each step counts")
       ->check(CLI::Range(1, 1000).description(""))
       ->capture_default_str()
@@ -82,7 +82,7 @@ std::vector<Contestant> make_contestants(const Arguments& a, const ShapePtr& sha
     c.threads = threads;
     CandidateOptions options;
     options.triangles = a.triangles;
-    options.pair.cages = a.no_cages ? CageUse::never : CageUse::always;
+    options.pair.cages = a.cages ? CageUse::always : CageUse::automatic;
     if (threads > 1) {
       c.arena = std::make_unique<oneapi::tbb::task_arena>(threads);
       options.executor = tbb_executor(*c.arena);

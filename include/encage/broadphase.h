@@ -90,8 +90,8 @@ enum class CageUse : std::uint8_t {
 
 /// What separated() asks.
 struct PairOptions {
-  double margin = 0;                                    ///< world units, >= 0
-  bool boxes = true;                                    ///< ask world boxes; false where the caller did
+  double margin = 0;  ///< world units, >= 0
+  bool boxes = true;  ///< ask world boxes; false where the caller did
   CageUse cages = CageUse::automatic;
   int finest_cage = 0;                                  ///< the finest cage level asked
   int coarsest_cage = std::numeric_limits<int>::max();  ///< the coarsest one asked
@@ -100,9 +100,9 @@ struct PairOptions {
 
 /// Proves that two bodies stay farther apart than the margin while every vertex
 /// moves on its straight line, or answers "maybe". Asks the stages in order: boxes, cages from
-/// coarse to fine (by default only where there is no fine mesh to ask), fine meshes; the first proof ends the test. With different
-/// numbers of levels, level k is tested on each body's level k or its coarsest.
-/// Motions that are not usable answer "maybe". Re-entrant; never throws, never allocates.
+/// coarse to fine (by default only where there is no fine mesh to ask), fine meshes; the first proof ends the test.
+/// With different numbers of levels, level k is tested on each body's level k or its coarsest. Motions that are not
+/// usable answer "maybe". Re-entrant; never throws, never allocates.
 ///
 /// A closed or capped body is its surface and the points of non-zero winding
 /// number. A `surface_only` body is its surface; as its interior is unknown,
