@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace encage {
 namespace {
@@ -31,16 +33,74 @@ void add_cage(Shape& shape, const MeshArraysView& arrays) {
   if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
 }
 
-/// The fine mesh, or else the finest cage that has few vertices: near the body, and quick to project.
+constexpr std::size_t most_points = 1024;
+
+/// Corners of boxes of the tree that hold the surface, the largest boxes being opened first.
+std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
+  struct Lane {
+    float size;
+    std::int32_t node;
+    int lane;
+    bool operator<(const Lane& other) const {
+      return std::tuple(size, -node, -lane) < std::tuple(other.size, -other.node, -other.lane);
+    }
+  };
+  const WideTreeView& tree = surface.tree;
+  std::vector<Lane> heap, closed;
+  const auto push = [&](std::int32_t n) {
+    for (int lane = 0; lane < WideNode::width && tree.nodes[n].count(lane) != WideNode::unused; ++lane) {
+      float size = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        size = std::max(size, tree.upper(tree.nodes[n], axis, lane) - tree.lower(tree.nodes[n], axis, lane));
+      }
+      heap.push_back({size, n, lane});
+      std::push_heap(heap.begin(), heap.end());
+    }
+  };
+  push(0);
+  while (!heap.empty() && 8 * (heap.size() + closed.size() + WideNode::width) <= most_points) {
+    std::pop_heap(heap.begin(), heap.end());
+    const Lane largest = heap.back();
+    heap.pop_back();
+    const WideNode& node = tree.nodes[largest.node];
+    if (node.count(largest.lane) == WideNode::inner) {
+      push(node.child(largest.lane));
+    } else {
+      closed.push_back(largest);
+    }
+  }
+  closed.insert(closed.end(), heap.begin(), heap.end());
+  std::vector<std::array<float, 3>> corners;
+  for (const Lane& at : closed) {
+    const WideNode& node = tree.nodes[at.node];
+    for (int corner = 0; corner < 8; ++corner) {
+      std::array<float, 3>& point = corners.emplace_back();
+      for (int axis = 0; axis < 3; ++axis) {
+        point[axis] = (corner >> axis & 1) != 0 ? tree.upper(node, axis, at.lane) : tree.lower(node, axis, at.lane);
+      }
+    }
+  }
+  return corners;
+}
+
+/// The fine mesh, or else the finest cage that has few vertices: near the body, and quick to project. Without one,
+/// boxes around the finest surface.
 void set_outline(Shape& shape) {
-  constexpr std::size_t most_points = 1024;
+  const auto set = [&](std::span<const std::array<float, 3>> points) {
+    double squared = 0;
+    for (const auto& p : points)
+      squared = std::max(squared, Eigen::Map<const Eigen::Vector3f>(p.data()).cast<double>().squaredNorm());
+    const double radius = std::sqrt(squared) * (1 + 8 * std::numeric_limits<double>::epsilon());
+    if (!(radius < 1e30)) return;
+    shape.outline = Outline(points);
+    shape.outline_radius = radius;
+  };
   const auto fits = [&](const Surface& surface) {
-    if (surface.empty() || surface.mesh.vertices.size() > most_points || !(surface.radius < 1e30)) return false;
-    shape.outline = Outline(surface.mesh.vertices);
-    shape.outline_radius = surface.radius;
+    if (surface.empty() || surface.mesh.vertices.size() > most_points) return false;
+    set(surface.mesh.vertices);
     return true;
   };
-  if (!fits(shape.fine)) static_cast<void>(std::any_of(shape.cages.begin(), shape.cages.end(), fits));
+  if (!fits(shape.fine) && std::none_of(shape.cages.begin(), shape.cages.end(), fits)) set(box_corners(shape.outer()));
 }
 
 void set_fine(Shape& shape, const MeshArraysView& arrays) {

@@ -37,8 +37,8 @@ class Shape {
   double radius = 0;           ///< largest of all surfaces
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty
-  Outline outline;             ///< the vertices of a surface that has few; may be empty
-  double outline_radius = 0;   ///< of that surface
+  Outline outline;             ///< few points that hold the body, for its world boxes; may be empty
+  double outline_radius = 0;   ///< largest norm of these
 
   /// The surface whose box bounds the body, and the error of that.
   const Surface& outer() const { return fine.empty() ? cages.front() : fine; }

@@ -70,7 +70,8 @@ double arc_margin(const Shape& shape, const Motion& motion,
                   const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
 
 /// World box that contains the body during the whole motion, rounding included: not the
-/// least one, but that of a cage with few vertices, if there is one. The whole space if the motion is not usable.
+/// least one, but that of a cage with few vertices or of boxes around its parts. The whole space if the motion is not
+/// usable.
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept;
 
 /// The solid { x : normal . x <= offset } of the world; normal of unit length within 1e-9.

@@ -2,6 +2,7 @@
 #include "broadphase/frame.h"
 
 #include "tests/broadphase/sample_shapes.h"
+#include "tests/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -62,6 +63,33 @@ TEST_F(Frames, BoxesHoldEveryVertexAndAreTight) {
         EXPECT_TRUE(swept.contains(box));
         EXPECT_TRUE(swept.contains(pose_box(*shape, q)));
       }
+    }
+  }
+}
+
+// No surface has few vertices: boxes of the tree stand for the body.
+TEST_F(Frames, BoxesOfDetailedBodiesHoldEveryVertex) {
+  for (const bool caged : {false, true}) {
+    CageHierarchy hierarchy;
+    hierarchy.fine = shapes::torus(1, 0.3, 60, 40);
+    hierarchy.fine.vertices = hierarchy.fine.vertices.cast<float>().cast<double>().eval();
+    if (caged) {
+      hierarchy.levels.emplace_back().mesh = shapes::torus(1, 0.5, 60, 40);
+      TriangleMesh& cage = hierarchy.levels[0].mesh;
+      cage.vertices = cage.vertices.cast<float>().cast<double>().eval();
+    }
+    const ShapePtr shape = make_shape(hierarchy);
+    for (int i = 0; i < 50; ++i) {
+      const Pose p = pose(1);
+      const Eigen::AlignedBox3d box = pose_box(*shape, p);
+      Eigen::AlignedBox3d expected;
+      for (std::int64_t v = 0; v < hierarchy.fine.vertices.rows(); ++v) {
+        const Vector y = p * hierarchy.fine.vertex(static_cast<std::int32_t>(v));
+        expected.extend(y);
+        ASSERT_LT(box.exteriorDistance(y), 1e-12);
+      }
+      EXPECT_LE((expected.min() - box.min()).maxCoeff(), 0.25 * shape->fine.radius);
+      EXPECT_LE((box.max() - expected.max()).maxCoeff(), 0.25 * shape->fine.radius);
     }
   }
 }
