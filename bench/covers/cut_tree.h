@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/mesh_arrays.h"
+
+namespace encage::covers {
+
+/// What is opened first where a tree is cut.
+enum class LargestBy {
+  gate,      ///< the size by which the traversal of box_gate.h opens boxes
+  diagonal,  ///< of the box
+};
+
+/// The top of a tree: its largest boxes are opened until there are enough.
+struct CutTree {
+  std::vector<std::int32_t> nodes;   ///< that are kept, parents first
+  std::vector<std::int32_t> places;  ///< of every node of the tree: its index in `nodes`, -1 where it is cut off
+  std::int64_t boxes = 0;            ///< that are not opened: together they hold every triangle
+
+  /// Where a lane of a kept node leads among `nodes`; -1 for a box that is not opened.
+  std::int32_t child(const WideNode& node, int lane) const {
+    return node.count(lane) == WideNode::inner ? places[node.child(lane)] : -1;
+  }
+};
+
+/// At least `boxes` of them, at most 7 more, or all leaves if there are fewer. The tree must not be empty.
+CutTree cut_tree(const WideTreeView& tree, std::int64_t boxes, LargestBy largest);
+
+/// Vertices of the triangles below a lane, each once.
+std::vector<std::int32_t> vertices_below(const WideTreeView& tree, const WideNode& node, int lane);
+
+}  // namespace encage::covers
