@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include "bench/covers/cut_tree.h"
 #include "broadphase/surface_pair.h"
 
 namespace encage::covers {
@@ -18,7 +17,8 @@ struct alignas(32) BallNode {
   std::int32_t count;  ///< balls used, the first ones
 };
 
-/// Balls around what lies in the boxes of the top of a surface's tree: every triangle lies in one of the last ones.
+/// Balls around the parts of a surface, cut by a binary tree where balls are largest: every triangle lies in one of the
+/// last ones.
 class BallCover {
  public:
   BallCover(const Surface& surface, std::int64_t balls);

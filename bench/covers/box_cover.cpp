@@ -6,7 +6,7 @@
 namespace encage::covers {
 
 BoxCover::BoxCover(const Surface& surface, std::int64_t boxes) {
-  const CutTree cut = cut_tree(surface.tree, boxes, LargestBy::gate);
+  const CutTree cut = cut_tree(surface.tree, boxes);
   boxes_ = cut.boxes;
   tree_.grid = surface.tree.grid;
   tree_.leaves.resize(WideTree::leaf_size);  // nobody looks what is in the last boxes

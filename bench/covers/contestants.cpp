@@ -98,7 +98,7 @@ Contestants make_contestants(const Shape& shape, const CoverSizes& sizes) {
   }
   const Contestant* fine = all.front().get();
   for (const Contestant* ball : balls) {
-    for (const Contestant* cage : cages) combine(ball, cage);
+    if (!cages.empty()) combine(ball, cages.front());
   }
   for (const Contestant* box : boxes) combine(box, fine);
   for (const Contestant* ball : balls) combine(ball, fine);

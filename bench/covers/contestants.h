@@ -30,8 +30,8 @@ using Contestants = std::vector<std::unique_ptr<Contestant>>;
 
 /// Sizes of covers to compare.
 struct CoverSizes {
-  std::vector<std::int64_t> balls = {200, 700, 2000};
-  std::vector<std::int64_t> boxes = {500, 2000, 8000, 32000};
+  std::vector<std::int64_t> balls = {200, 700, 2000, 8000};
+  std::vector<std::int64_t> boxes = {500, 2000, 4000, 8000, 32000};
 };
 
 /// The fine mesh first; then cages, covers and combinations. They refer to the shape, which must have a fine mesh.

@@ -8,13 +8,7 @@
 
 namespace encage::covers {
 
-/// What is opened first where a tree is cut.
-enum class LargestBy {
-  gate,      ///< the size by which the traversal of box_gate.h opens boxes
-  diagonal,  ///< of the box
-};
-
-/// The top of a tree: its largest boxes are opened until there are enough.
+/// The top of a tree: its largest boxes, as the traversal of box_gate.h sees them, are opened until there are enough.
 struct CutTree {
   std::vector<std::int32_t> nodes;   ///< that are kept, parents first
   std::vector<std::int32_t> places;  ///< of every node of the tree: its index in `nodes`, -1 where it is cut off
@@ -27,9 +21,6 @@ struct CutTree {
 };
 
 /// At least `boxes` of them, at most 7 more, or all leaves if there are fewer. The tree must not be empty.
-CutTree cut_tree(const WideTreeView& tree, std::int64_t boxes, LargestBy largest);
-
-/// Vertices of the triangles below a lane, each once.
-std::vector<std::int32_t> vertices_below(const WideTreeView& tree, const WideNode& node, int lane);
+CutTree cut_tree(const WideTreeView& tree, std::int64_t boxes);
 
 }  // namespace encage::covers
