@@ -26,7 +26,7 @@ constexpr std::array<Speedup, 7> speedups = {{
     {"speedup_paper", "rebuild_kdop", "rebuild_kdop+cages", "cages, where 26-DOP trees are rebuilt (the paper's)"},
     {"speedup_embree", "rebuild_embree", "rebuild_embree+cages", "cages, where Embree rebuilds its trees"},
     {"speedup_prebuilt", "prebuilt", "prebuilt+cages", "cages, where trees are built once"},
-    {"speedup_policy", "prebuilt", "prebuilt+policy", "what separated() asks by default, where trees are built once"},
+    {"speedup_policy", "prebuilt", "prebuilt+policy", "the default: cages where trees are not there"},
     {"prebuilt_over_kdop", "rebuild_kdop", "prebuilt", "trees built once instead of 26-DOP trees rebuilt"},
     {"prebuilt_over_embree", "rebuild_embree", "prebuilt", "trees built once instead of Embree's rebuilt"},
     {"prebuilt_over_embree_cages", "rebuild_embree+cages", "prebuilt", "the same, against Embree's behind cages"},

@@ -91,13 +91,13 @@ StageCounts& StageCounts::operator+=(const StageCounts& other) {
   return *this;
 }
 
-PairFilter::PairFilter(const TankBody& body, CageUse cages, const StrategyOptions& options)
-    : body_(body), distance_(options.contact.margin + options.contact.arc) {
-  options_.boxes = false;
-  options_.cages = cages;
-  options_.finest_cage = options.finest_cage;
-  options_.coarsest_cage = options.coarsest_cage;
-  options_.fine = cages == CageUse::automatic;
+PairFilter::PairFilter(const TankBody& body, bool cages, const StrategyOptions& options)
+    : body_(body), cages_(cages), distance_(options.contact.margin + options.contact.arc) {
+  cage_options_.boxes = false;
+  cage_options_.cages = CageUse::always;
+  cage_options_.finest_cage = options.finest_cage;
+  cage_options_.coarsest_cage = options.coarsest_cage;
+  cage_options_.fine = false;
 }
 
 Survivors PairFilter::run(const RecordedStep& step, const std::vector<BodyPair>& left_out) const {
@@ -111,8 +111,7 @@ Survivors PairFilter::run(const RecordedStep& step, const std::vector<BodyPair>&
   }
   Survivors survivors;
   std::vector<bool> survives(step.bodies.size());
-  PairOptions pair_options = options_;
-  const bool asks = options_.cages != CageUse::never;
+  PairOptions cage_options = cage_options_;
   for (BodyPair pair; pair.a < count; ++pair.a) {
     for (pair.b = pair.a + 1; pair.b < count; ++pair.b) {
       if (std::binary_search(left_out.begin(), left_out.end(), pair)) continue;
@@ -120,9 +119,9 @@ Survivors PairFilter::run(const RecordedStep& step, const std::vector<BodyPair>&
       if (!boxes[pair.a].intersects(boxes[pair.b])) continue;
       ++survivors.counts.boxes;
       // Cages enclose the source, from which the fine mesh may differ by rounding.
-      pair_options.margin = slack[pair.a] + slack[pair.b] + 2 * body_.fine_error;
-      if (asks &&
-          separated(*body_.shape, step.bodies[pair.a].motion, *body_.shape, step.bodies[pair.b].motion, pair_options)
+      cage_options.margin = slack[pair.a] + slack[pair.b] + 2 * body_.fine_error;
+      if (cages_ &&
+          separated(*body_.shape, step.bodies[pair.a].motion, *body_.shape, step.bodies[pair.b].motion, cage_options)
               .separated) {
         continue;
       }
@@ -161,7 +160,9 @@ const char* name(Baseline baseline) noexcept {
 
 Strategy make_strategy(const TankBody& body, Baseline baseline, CageUse cages, const StrategyOptions& options) {
   const char* suffix = cages == CageUse::never ? "" : cages == CageUse::always ? "+cages" : "+policy";
-  return {name(baseline) + std::string(suffix), PairFilter(body, cages, options),
+  // As separated() decides: cages are not asked in front of fine trees that are there.
+  const bool asks = cages == CageUse::always || (cages == CageUse::automatic && baseline != Baseline::prebuilt);
+  return {name(baseline) + std::string(suffix), PairFilter(body, asks, options),
           make_finder(body, baseline, options.contact)};
 }
 

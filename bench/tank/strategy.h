@@ -40,7 +40,7 @@ struct StrategyOptions {
 struct StageCounts {
   std::int64_t pairs = 0;  ///< all but those left out
   std::int64_t boxes = 0;  ///< world boxes of the motions overlap
-  std::int64_t cages = 0;  ///< what is asked besides does not prove them apart during the motion; = boxes if nothing is
+  std::int64_t cages = 0;  ///< cages are not proven apart during the motion; = boxes if not asked
   std::int64_t touching = 0;
 
   StageCounts& operator+=(const StageCounts& other);
@@ -54,21 +54,21 @@ struct Survivors {
   std::vector<std::int32_t> bodies;
 };
 
-/// The stages on pairs of bodies: overlapping world boxes of the motions; then, with CageUse::always, cages, or with
-/// CageUse::automatic what separated() thinks worth asking, which here are the fine meshes.
+/// The stages on pairs of bodies: overlapping world boxes of the motions, then, if asked, cages.
 /// A pair that is rejected cannot have a contact by StrategyOptions::contact.
 class PairFilter {
  public:
   /// `body` has to outlive this.
-  PairFilter(const TankBody& body, CageUse cages, const StrategyOptions& options);
+  PairFilter(const TankBody& body, bool cages, const StrategyOptions& options);
 
   /// `left_out` is sorted; its pairs are not asked at all.
   Survivors run(const RecordedStep& step, const std::vector<BodyPair>& left_out = {}) const;
 
  private:
   const TankBody& body_;
+  bool cages_;
   double distance_;  ///< proves absence of contact, but for rounding
-  PairOptions options_;
+  PairOptions cage_options_;
 };
 
 /// Finds the first contact of each surviving pair.

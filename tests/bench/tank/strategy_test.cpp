@@ -93,7 +93,7 @@ TEST(Strategies, AreNamedAfterWhatTheyDo) {
 TEST(PairFilter, CountsEachBodyOnceAndLeavesPairsOut) {
   const TankBody body = test::sample_body("star");
   const RecordedStep step = test::crowded_step(0, 3);
-  const PairFilter filter(body, CageUse::never, {});
+  const PairFilter filter(body, false, {});
   const Survivors all = filter.run(step);
   ASSERT_GT(all.pairs.size(), 3U);
   EXPECT_TRUE(std::is_sorted(all.pairs.begin(), all.pairs.end()));
@@ -115,8 +115,8 @@ TEST(PairFilter, CoarserCagesRejectLess) {
   std::int64_t fine_left = 0, coarse_left = 0;
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
     const RecordedStep step = test::crowded_step(0, seed);
-    fine_left += PairFilter(body, CageUse::always, {}).run(step).counts.cages;
-    coarse_left += PairFilter(body, CageUse::always, coarse).run(step).counts.cages;
+    fine_left += PairFilter(body, true, {}).run(step).counts.cages;
+    coarse_left += PairFilter(body, true, coarse).run(step).counts.cages;
   }
   EXPECT_LT(fine_left, coarse_left);
 }
