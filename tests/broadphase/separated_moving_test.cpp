@@ -16,7 +16,8 @@ TEST_P(SeparatedMoving, NeverMissesAContactOfBruteForce) {
   // The test attacks only if both answers are common, and close ones among them.
   EXPECT_GT(figures.rejected, figures.pairs / 5);
   EXPECT_GT(figures.close, figures.pairs / 20);
-  EXPECT_LE(figures.far_kept, figures.far / 100);
+  // One in a hundred, and one by chance: a shard has some twenty that are far.
+  EXPECT_LE(figures.far_kept, 1 + figures.far / 100);
   // Shares of fewer than these are chance (sanitizers run few pairs).
   if (figures.sampled < 50) return;
   EXPECT_GT(figures.touching + figures.within_margin, figures.sampled / 10);
