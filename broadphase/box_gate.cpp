@@ -340,7 +340,7 @@ class Traversal {
       const auto used = hn::Lt(link, hn::Set(du, WideNode::unused_link));
       const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;
       const auto slot =
-          hn::Iota(du, static_cast<std::uint32_t>(index * WideNode::width + static_cast<std::int32_t>(first)));
+          hn::Iota(du, static_cast<std::uint32_t>(index) * WideNode::width + static_cast<std::uint32_t>(first));
       const Packing pack(near);
       hn::StoreU(pack(link), du, rests.link.data() + size_);
       hn::StoreU(pack(slot), du, rests.slot.data() + size_);

@@ -128,11 +128,11 @@ BallCover::BallCover(const Surface& surface, std::int64_t balls) : radius_(surfa
   const Opened opened(surface, balls);
   balls_ = opened.count();
   nodes_.emplace_back();
-  std::queue<std::pair<std::size_t, std::int32_t>> todo;
-  todo.emplace(0, 0);
-  while (!todo.empty()) {
-    const auto [place, root] = todo.front();
-    todo.pop();
+  std::queue<std::pair<std::size_t, std::int32_t>> unopened;
+  unopened.emplace(0, 0);
+  while (!unopened.empty()) {
+    const auto [place, root] = unopened.front();
+    unopened.pop();
     BallNode node{};
     for (const std::int32_t n : opened.lanes(root)) {
       const Ball& ball = opened.ball(n);
@@ -143,7 +143,7 @@ BallCover::BallCover(const Surface& surface, std::int64_t balls) : radius_(surfa
       node.radius[lane] = ball.radius;
       if (!opened.open(n)) continue;
       node.child[lane] = static_cast<std::int32_t>(nodes_.size());
-      todo.emplace(nodes_.size(), n);
+      unopened.emplace(nodes_.size(), n);
       nodes_.emplace_back();
     }
     nodes_[place] = node;
