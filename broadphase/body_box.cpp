@@ -9,13 +9,13 @@ namespace encage {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
-Eigen::AlignedBox3d turned_box(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& pose) noexcept {
-  const Eigen::Vector3d middle = (box.min() + box.max()) / 2;
-  const Eigen::Vector3d half = (box.max() - box.min()) / 2;
+Eigen::AlignedBox3d turned_box(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& pose, double scale) noexcept {
+  const Eigen::Vector3d middle = (0.5 * scale) * (box.min() + box.max());
+  const Eigen::Vector3d half = (0.5 * scale) * (box.max() - box.min());
   const Eigen::Matrix3d size = pose.linear().cwiseAbs();
   const Eigen::Vector3d centre = pose.linear() * middle + pose.translation();
   const Eigen::Vector3d reach = size * half;
-  // At most 12 roundings in all, each of a sum of the terms below.
+  // At most 14 roundings in all, each of a sum of the terms below.
   const Eigen::Vector3d slack = 16 * eps * (reach + size * middle.cwiseAbs() + pose.translation().cwiseAbs());
   return {centre - reach - slack, centre + reach + slack};
 }

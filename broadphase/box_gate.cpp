@@ -331,7 +331,7 @@ class Traversal {
     const BoxGate::Side& side = *sides_[resting];
     const WideNode& node = trees_[resting]->nodes[index];
     const LaneTest<kEnds> test(side, moving);
-    const auto step = hn::Set(d, trees_[resting]->grid.step);
+    const auto step = hn::Set(d, side.step);
     Column &rests = stack_[resting], &moves = stack_[1 - resting];
     for (std::size_t first = 0; first < WideNode::width; first += hn::Lanes(d)) {
       Boxes boxes;
@@ -400,8 +400,11 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
                         const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
   BoxGate::Side side{};
   // Local coordinates are middle + step * place.
-  const double step = body.grid.step, ratio = other.grid.step / step;
-  const Vector middle = as_vector(body.grid.middle), other_middle = as_vector(other.grid.middle);
+  const double step = body.scale * static_cast<double>(body.grid.step);
+  const double ratio = other.scale * static_cast<double>(other.grid.step) / step;
+  const double radius = body.scale * body.radius, other_radius = other.scale * other.radius;
+  const Vector middle = body.scale * as_vector(body.grid.middle);
+  const Vector other_middle = other.scale * as_vector(other.grid.middle);
   std::array<AffineMap, 2> relative;
   double stretch = 1, offset = 0, shrink = 1;
   bool finite = true;  // NaN would not survive the maxima
@@ -435,13 +438,13 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   double bulge = 0;
   if (ends == 2) {
     const double turn = (maps[1].linear - maps[0].linear).norm();
-    const double way = (relative[1].linear - relative[0].linear).norm() * other.radius +
+    const double way = (relative[1].linear - relative[0].linear).norm() * other_radius +
                        (relative[1].offset - relative[0].offset).norm();
     bulge = 0.25 * turn * way * (1 + 1e-9);
     shrink -= turn;
   }
   // 128 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
-  const double size = body.radius + middle.norm() + stretch * (other.radius + other_middle.norm()) + offset;
+  const double size = radius + middle.norm() + stretch * (other_radius + other_middle.norm()) + offset;
   const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
   // Sums of places must stay finite as well: infinity has lost what would be subtracted from it.
   const bool rigid = ends == 2 || stretch < 1 + 1e-8;  // sweep_slab() takes bodies at rest for that
@@ -450,6 +453,7 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   if (!side.works) return side;
   const double places = gap / step * (1 + 0x1p-22);
   side.gap.fill(std::nextafter(static_cast<float>(places), std::numeric_limits<float>::infinity()));
+  side.step = static_cast<float>(step);
   side.normal_scale = static_cast<float>(1 / (ratio * ratio));
   side.moving_slab_gap = static_cast<float>(places * longest_normal * stretch / ratio * (1 + 0x1p-20));
   for (int k = 0; k < 3; ++k) {

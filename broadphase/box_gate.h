@@ -12,6 +12,7 @@ namespace encage {
 struct GateBody {
   double radius = 0;
   TreeGrid grid;
+  double scale = 1;  ///< of both: the maps' lengths are so many times as long
 };
 
 /// Oriented-box gate: proves boxes of two body-frame trees apart during an interval, or the slabs in them.
@@ -37,6 +38,7 @@ struct BoxGate {
 
     std::array<std::array<Column, 3>, 2> map;  ///< [end][column]: from the other's places
     std::array<Column, 2> offset;              ///< [end]
+    float step = 0;                            ///< distance of places, in the common frame
     float normal_scale = 0;                    ///< makes a mapped normal a normal of the same heights
     float moving_slab_gap = 0;  ///< distance of heights along the moving slab's normal that proves separation
     bool works = false;         ///< else nothing is proven

@@ -116,18 +116,19 @@ Side locate(const Surface& surface, const Vector& point) noexcept {
   return Side::unknown;
 }
 
-bool all_outside(const Surface& host, const Surface& guest, const PairFrame& frame) noexcept {
-  return std::all_of(guest.parts.begin(), guest.parts.end(), [&](const MeshPart& part) {
-    return locate(host, frame.map(guest.vertex(part.vertex))) == Side::outside;
+bool all_outside(const ScaledSurface& host, const ScaledSurface& guest, const PairFrame& frame) noexcept {
+  return std::all_of(guest->parts.begin(), guest->parts.end(), [&](const MeshPart& part) {
+    return locate(*host, frame.map(guest.vertex(part.vertex)) / host.scale()) == Side::outside;
   });
 }
 
-bool could_hold(const Shape& host, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
-                const std::array<AffineMap, 2>& guest_maps, double slack) noexcept {
+bool could_hold(const Shape& host, double host_scale, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
+                double guest_scale, const std::array<AffineMap, 2>& guest_maps, double slack) noexcept {
   const Surface& outer = host.outer();
-  const double reach = slack + (1 + 1e-8) * (host.outer_error() + guest.fine_error);
-  const Vector centre = 0.5 * (outer.lower.cast<double>() + outer.upper.cast<double>());
-  const Vector half = 0.5 * (outer.upper.cast<double>() - outer.lower.cast<double>());
+  const ScaledSurface inner(guest.fine, guest_scale);
+  const double reach = slack + (1 + 1e-8) * (host_scale * host.outer_error() + guest_scale * guest.fine_error);
+  const Vector centre = 0.5 * host_scale * (outer.lower.cast<double>() + outer.upper.cast<double>());
+  const Vector half = 0.5 * host_scale * (outer.upper.cast<double>() - outer.lower.cast<double>());
   // Beyond the box along n at both ends in the same sense, hence always: vertex and box move linearly.
   const auto beyond = [&](const Vector& n, const Vector& x) {
     bool above = true, below = true;
@@ -141,7 +142,7 @@ bool could_hold(const Shape& host, const std::array<AffineMap, 2>& host_maps, co
     return above || below;
   };
   const auto outside = [&](std::int32_t v) {
-    const Vector x = guest.fine.vertex(v);
+    const Vector x = inner.vertex(v);
     for (const AffineMap& map : host_maps) {
       for (int axis = 0; axis < 3; ++axis) {
         // No longer than 1, so that asking for the whole reach is safe.

@@ -34,12 +34,11 @@ Side locate(const Surface& surface, const Eigen::Vector3d& point) noexcept;
 /// True only if every component of `guest` is proven to lie outside the solid
 /// that `host` bounds. Call it where the surfaces are known not to touch: one
 /// point then stands for its component. `frame` maps guest's frame to host's.
-bool all_outside(const Surface& host, const Surface& guest, const PairFrame& frame) noexcept;
+bool all_outside(const ScaledSurface& host, const ScaledSurface& guest, const PairFrame& frame) noexcept;
 
 /// For a host whose interior is unknown: false only if of every part of the guest some vertex is proven to stay
-/// outside the host's box during the whole interval. `host_maps` and `guest_maps` map to the common frame, with
-/// errors up to `slack`.
-bool could_hold(const Shape& host, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
-                const std::array<AffineMap, 2>& guest_maps, double slack) noexcept;
+/// outside the host's box during the whole interval. The maps lead to the common frame, with errors up to `slack`.
+bool could_hold(const Shape& host, double host_scale, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
+                double guest_scale, const std::array<AffineMap, 2>& guest_maps, double slack) noexcept;
 
 }  // namespace encage

@@ -13,9 +13,9 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// Covers the rounding of a world coordinate and the error of the fine vertices.
-double world_slack(const Shape& shape, const Eigen::Isometry3d& pose, double radius) {
-  const double size = radius + shape.origin.norm() + pose.translation().norm();
-  return 32 * eps * size + (1 + 1e-8) * shape.outer_error();
+double world_slack(const Shape& shape, const Placement& at, double radius) {
+  const double size = at.scale * (radius + shape.origin.norm()) + at.pose.translation().norm();
+  return 32 * eps * size + (1 + 1e-8) * at.scale * shape.outer_error();
 }
 
 }  // namespace
@@ -85,22 +85,27 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
 
 bool is_usable(const Motion& motion) noexcept {
   if (!is_usable(motion.start) || !is_usable(motion.end)) return false;
+  if (!(motion.scale >= 1e-50 && motion.scale <= 1e50)) return false;
   // 1 + 2 cos of the angle between the poses; off by no more than their departure from rigid and rounding.
   return (motion.start.linear().transpose() * motion.end.linear()).trace() > -1 + 1e-6;
 }
 
-PairFrame relative_frame(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
-                         const Eigen::Isometry3d& pose_b) noexcept {
-  const Eigen::Vector3d offset =
-      (pose_b.translation() - pose_a.translation()) + (pose_b.linear() * b.origin - pose_a.linear() * a.origin);
-  return {pose_a.linear().transpose() * pose_b.linear(), pose_a.linear().transpose() * offset};
+// Large coordinates that both have cancel first.
+Eigen::Vector3d origin_offset(const Shape& a, const Placement& at_a, const Shape& b, const Placement& at_b) noexcept {
+  return (at_b.pose.translation() - at_a.pose.translation()) +
+         (at_b.pose.linear() * (at_b.scale * b.origin) - at_a.pose.linear() * (at_a.scale * a.origin));
 }
 
-double required_distance(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
-                         const Eigen::Isometry3d& pose_b, double margin) noexcept {
-  const double size = a.radius + b.radius + a.origin.norm() + b.origin.norm() + pose_a.translation().norm() +
-                      pose_b.translation().norm();
-  const double departure = departure_from_rigid(pose_a.linear()) + departure_from_rigid(pose_b.linear());
+PairFrame relative_frame(const Shape& a, const Placement& at_a, const Shape& b, const Placement& at_b) noexcept {
+  const Eigen::Matrix3d to_a = at_a.pose.linear().transpose();
+  return {to_a * at_b.pose.linear(), to_a * origin_offset(a, at_a, b, at_b)};
+}
+
+double required_distance(const Shape& a, const Placement& at_a, const Shape& b, const Placement& at_b,
+                         double margin) noexcept {
+  const double size = at_a.scale * (a.radius + a.origin.norm()) + at_b.scale * (b.radius + b.origin.norm()) +
+                      at_a.pose.translation().norm() + at_b.pose.translation().norm();
+  const double departure = departure_from_rigid(at_a.pose.linear()) + departure_from_rigid(at_b.pose.linear());
   return margin * (1 + 64 * eps + 4 * departure) + (256 * eps + 32 * departure) * size;
 }
 
@@ -112,32 +117,32 @@ bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, dou
   return largest > 0 && std::isfinite(largest) && (gap / largest).matrix().norm() * largest * (1 - 16 * eps) > margin;
 }
 
-Eigen::AlignedBox3d pose_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept {
+Eigen::AlignedBox3d pose_box(const Shape& shape, const Placement& at) noexcept {
   const Surface& surface = shape.outer();
-  const Eigen::Vector3d centre = pose.linear() * shape.origin + pose.translation();
+  const Eigen::Vector3d centre = at.origin(shape);
   Eigen::Vector3d low, high;
-  double slack = world_slack(shape, pose, surface.radius);
+  double slack = world_slack(shape, at, surface.radius);
   if (!shape.outline.empty()) {
-    shape.outline.extents(pose.linear(), low, high);
-    slack += 0x1p-20 * shape.outline_radius;
+    shape.outline.extents(at.pose.linear(), low, high);
+    slack += 0x1p-20 * at.scale * shape.outline_radius;
   } else {
     for (int axis = 0; axis < 3; ++axis) {
-      const Eigen::Vector3d n = pose.linear().row(axis).transpose();
+      const Eigen::Vector3d n = at.pose.linear().row(axis).transpose();
       const double tolerance = 0x1p-8 * surface.radius;
       low[axis] = -support(surface, -n, tolerance);
       high[axis] = support(surface, n, tolerance);
     }
   }
   const Eigen::Vector3d farthest = Eigen::Vector3d::Constant(surface.radius * (1 + 1e-8));
-  return {centre + low.cwiseMax(-farthest) - Eigen::Vector3d::Constant(slack),
-          centre + high.cwiseMin(farthest) + Eigen::Vector3d::Constant(slack)};
+  return {centre + at.scale * low.cwiseMax(-farthest) - Eigen::Vector3d::Constant(slack),
+          centre + at.scale * high.cwiseMin(farthest) + Eigen::Vector3d::Constant(slack)};
 }
 
-Eigen::AlignedBox3d ball_box(const Shape& shape, const Eigen::Isometry3d& pose) noexcept {
+Eigen::AlignedBox3d ball_box(const Shape& shape, const Placement& at) noexcept {
   const double radius = shape.outer().radius;
-  const Eigen::Vector3d centre = pose.linear() * shape.origin + pose.translation();
+  const Eigen::Vector3d centre = at.origin(shape);
   // Twice the slack of pose_box(): what contains the exact box contains the rounded one as well.
-  const double reach = radius * (1 + 1e-8) + 2 * world_slack(shape, pose, radius);
+  const double reach = at.scale * radius * (1 + 1e-8) + 2 * world_slack(shape, at, radius);
   return {centre.array() - reach, centre.array() + reach};
 }
 
@@ -146,8 +151,8 @@ Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept
     constexpr double infinity = std::numeric_limits<double>::infinity();
     return {Eigen::Vector3d::Constant(-infinity), Eigen::Vector3d::Constant(infinity)};
   }
-  const Eigen::AlignedBox3d start = pose_box(shape, motion.start);
-  return motion.at_rest() ? start : start.merged(pose_box(shape, motion.end));
+  const Eigen::AlignedBox3d start = pose_box(shape, {motion.start, motion.scale});
+  return motion.at_rest() ? start : start.merged(pose_box(shape, {motion.end, motion.scale}));
 }
 
 }  // namespace encage

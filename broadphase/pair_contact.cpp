@@ -115,7 +115,7 @@ Vector orient(const Meeting& meeting, double margin) {
 
 PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          const ContactOptions& options) noexcept
-    : a_(a), b_(b), options_(options), motion_a_(motion_a) {
+    : a_(a), b_(b), options_(options), motion_a_(motion_a), scale_b_(motion_b.scale) {
   assert(!a.fine.empty() && !b.fine.empty() && is_usable(motion_a) && is_usable(motion_b));
   const PairMotion pair = pair_motion(a, motion_a, b, motion_b);
   for (std::size_t end = 0; end < 2; ++end) {
@@ -126,14 +126,15 @@ PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b,
 }
 
 void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) noexcept {
-  const auto moving = [](const Surface& surface, const std::array<Eigen::Affine3d, 2>& ends, std::int32_t triangle) {
-    const auto& t = surface.mesh.triangles[triangle];
+  const auto moving = [](const ScaledSurface& surface, const std::array<Eigen::Affine3d, 2>& ends,
+                         std::int32_t triangle) {
+    const auto& t = surface->mesh.triangles[triangle];
     const LeafTriangle leaf = {
         {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])}, triangle};
     return std::pair(leaf.vertices, moving_triangle(surface, {affine(ends[0]), affine(ends[1])}, leaf));
   };
-  const auto [va, ta] = moving(a_.fine, ends_a_, triangle_a);
-  const auto [vb, tb] = moving(b_.fine, ends_b_, triangle_b);
+  const auto [va, ta] = moving({a_.fine, motion_a_.scale}, ends_a_, triangle_a);
+  const auto [vb, tb] = moving({b_.fine, scale_b_}, ends_b_, triangle_b);
   const unsigned owned_a = a_.fine.owned[triangle_a], owned_b = b_.fine.owned[triangle_b];
   const auto sorted = [](std::int32_t x, std::array<std::int32_t, 3> rest) {
     std::sort(rest.begin(), rest.end());
@@ -182,7 +183,7 @@ void PairContact::consider(ContactKind kind, const MovingPoints& points,
                               ? meet_edges(points, *time)
                               : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
   // The common frame: a's start orientation, its origin moving with a's.
-  const auto origin = [&](const Eigen::Isometry3d& pose) -> Vector { return pose * a_.origin; };
+  const auto origin = [&](const Eigen::Isometry3d& pose) { return Placement(pose, motion_a_.scale).origin(a_); };
   contact.point = motion_a_.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
                   ((1 - *time) * origin(motion_a_.start) + *time * origin(motion_a_.end));
   contact.normal = (motion_a_.start.linear() * orient(meeting, options_.margin)).normalized();
@@ -195,10 +196,11 @@ std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, con
   // What the narrow phase calls a contact must pass the culling, whatever finds the pair: rounding included twice.
   const double required = 2 * (required_distance(a, motion_a, b, motion_b, options.margin) + options.arc);
   PairContact narrow(a, motion_a, b, motion_b, options);
-  visit_intervals(a.fine, b.fine, motion, required, [&](double t0, double t1) {
+  const ScaledSurface fine_a(a.fine, motion_a.scale), fine_b(b.fine, motion_b.scale);
+  visit_intervals(fine_a, fine_b, motion, required, [&](double t0, double t1) {
     if (t0 > narrow.latest()) return false;
     return visit_near_triangles(
-        a.fine, b.fine, motion.part(t0, t1), required, Effort::quick,
+        fine_a, fine_b, motion.part(t0, t1), required, Effort::quick,
         [](void* context, std::int32_t triangle_a, std::int32_t triangle_b) {
           static_cast<PairContact*>(context)->test(triangle_a, triangle_b);
           return true;
@@ -224,7 +226,7 @@ std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, con
     first = contact;
   });
   if (!first) return first;
-  const Vector x = a.origin + a.fine.vertex(first->vertices[0]);
+  const Vector x = motion_a.scale * (a.origin + a.fine.vertex(first->vertices[0]));
   first->point = (1 - first->time) * (motion_a.start * x) + first->time * (motion_a.end * x);
   first->normal = plane.normal;
   return first;

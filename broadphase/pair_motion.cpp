@@ -28,7 +28,8 @@ double PairMotion::displacement(double radius_a, double radius_b) const {
 }
 
 PairMotion pair_motion(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b) noexcept {
-  const PairFrame start = relative_frame(a, motion_a.start, b, motion_b.start);
+  const double scale_a = motion_a.scale, scale_b = motion_b.scale;
+  const PairFrame start = relative_frame(a, {motion_a.start, scale_a}, b, {motion_b.start, scale_b});
   PairMotion pair;
   pair.b[0] = {start.rotation, start.translation};
   pair.at_rest = motion_a.at_rest() && motion_b.at_rest();
@@ -38,20 +39,21 @@ PairMotion pair_motion(const Shape& a, const Motion& motion_a, const Shape& b, c
     return pair;
   }
   const Eigen::Matrix3d to_frame = motion_a.start.linear().transpose();
-  const Eigen::Vector3d offset = (motion_b.end.translation() - motion_a.end.translation()) +
-                                 (motion_b.end.linear() * b.origin - motion_a.end.linear() * a.origin);
   pair.a[1].linear = to_frame * motion_a.end.linear();
-  pair.b[1] = {to_frame * motion_b.end.linear(), to_frame * offset};
+  pair.b[1] = {to_frame * motion_b.end.linear(),
+               to_frame * origin_offset(a, {motion_a.end, scale_a}, b, {motion_b.end, scale_b})};
   return pair;
 }
 
 double required_distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          double margin) noexcept {
-  const double start = required_distance(a, motion_a.start, b, motion_b.start, margin);
+  const auto required = [&](const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b) {
+    return required_distance(a, {pose_a, motion_a.scale}, b, {pose_b, motion_b.scale}, margin);
+  };
+  const double start = required(motion_a.start, motion_b.start);
   if (motion_a.at_rest() && motion_b.at_rest()) return start;
-  return std::max({start, required_distance(a, motion_a.start, b, motion_b.end, margin),
-                   required_distance(a, motion_a.end, b, motion_b.start, margin),
-                   required_distance(a, motion_a.end, b, motion_b.end, margin)});
+  return std::max({start, required(motion_a.start, motion_b.end), required(motion_a.end, motion_b.start),
+                   required(motion_a.end, motion_b.end)});
 }
 
 }  // namespace encage

@@ -15,7 +15,7 @@ struct AffineMap {
   Eigen::Vector3d operator()(const Eigen::Vector3d& x) const { return linear * x + offset; }
 };
 
-/// The local frames of two bodies seen from one common frame, at both ends of an
+/// The local frames of two bodies, at the size they have in the world, seen from one common frame, at both ends of an
 /// interval of a step. Between them vertices move linearly. The common frame is
 /// a's orientation at the start of the step, its origin moves with a's: what is
 /// common to both motions, and large coordinates, cancel.

@@ -18,24 +18,24 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 
 PlaneCheck::PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace& plane, double margin,
                        double arc) noexcept
-    : surface_(shape.outer()), arc_(arc) {
-  double size = std::abs(plane.offset) + surface_.radius + shape.origin.norm();
+    : surface_(shape.outer(), motion.scale), arc_(arc) {
+  double size = std::abs(plane.offset) + surface_.radius() + motion.scale * shape.origin.norm();
   for (std::size_t end = 0; end < 2; ++end) {
     const Eigen::Isometry3d& pose = end == 0 ? motion.start : motion.end;
     normal_[end] = pose.linear().transpose() * plane.normal;
-    height_[end] = plane.normal.dot(pose * shape.origin) - plane.offset;
+    height_[end] = plane.normal.dot(pose * (motion.scale * shape.origin)) - plane.offset;
     size += pose.translation().norm();
   }
   const bool unit = std::abs(plane.normal.norm() - 1) <= 1e-9 && std::isfinite(plane.offset) && margin >= 0 &&
                     arc >= 0 && std::isfinite(arc);
   // Heights are off by less than 32 units of roundoff of the sizes; the normal's length scales them by 1 +- 1e-9.
-  clearance_ = unit ? (margin + (1 + 1e-8) * shape.outer_error()) * (1 + 4e-9) + 32 * eps * size
+  clearance_ = unit ? (margin + (1 + 1e-8) * motion.scale * shape.outer_error()) * (1 + 4e-9) + 32 * eps * size
                     : std::numeric_limits<double>::infinity();
 }
 
 bool PlaneCheck::beyond_throughout() const noexcept {
   for (std::size_t end = 0; end < 2; ++end) {
-    if (!(height_[end] - support(surface_, -normal_[end]) > clearance_ + arc_)) return false;
+    if (!(height_[end] - surface_.scale() * support(*surface_, -normal_[end]) > clearance_ + arc_)) return false;
   }
   return true;
 }
@@ -44,9 +44,9 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
   const auto lowest = [&](const WideNode& node, int lane, std::size_t end) {
     double sum = height_[end];
     for (int k = 0; k < 3; ++k) {
-      const double n = normal_[end][k];
-      sum += std::min(n * static_cast<double>(surface_.tree.lower(node, k, lane)),
-                      n * static_cast<double>(surface_.tree.upper(node, k, lane)));
+      const double n = surface_.scale() * normal_[end][k];
+      sum += std::min(n * static_cast<double>(surface_->tree.lower(node, k, lane)),
+                      n * static_cast<double>(surface_->tree.upper(node, k, lane)));
     }
     return sum;
   };
@@ -56,7 +56,7 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
   int size = 0;
   stack[size++] = 0;
   while (size > 0) {
-    const WideNode& node = surface_.tree.nodes[stack[--size]];
+    const WideNode& node = surface_->tree.nodes[stack[--size]];
     for (int lane = WideNode::width - 1; lane >= 0; --lane) {
       if (node.count(lane) == WideNode::unused) continue;
       if (lowest(node, lane, 0) > reach && lowest(node, lane, 1) > reach) continue;
@@ -65,7 +65,7 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
         continue;
       }
       for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
-        for (const std::int32_t v : surface_.tree.leaves[i].vertices) visit(context, v);
+        for (const std::int32_t v : surface_->tree.leaves[i].vertices) visit(context, v);
       }
     }
   }

@@ -39,7 +39,7 @@ class PlaneCheck {
   void visit_near(void (*visit)(void* context, std::int32_t vertex), void* context) const;
   double first_time(std::int32_t vertex) const;  ///< 2 if proven that there is none
 
-  const Surface& surface_;
+  const ScaledSurface surface_;
   std::array<Eigen::Vector3d, 2> normal_;  ///< of the plane, in the local frame at both ends
   std::array<double, 2> height_;           ///< of the local origin
   double clearance_;                       ///< height that proves absence of contact, rounding included

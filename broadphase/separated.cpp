@@ -12,14 +12,16 @@ namespace {
 
 bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin) {
   const auto ball = [](const Shape& shape, const Motion& motion) {
-    return ball_box(shape, motion.start).merged(ball_box(shape, motion.end));
+    return ball_box(shape, {motion.start, motion.scale}).merged(ball_box(shape, {motion.end, motion.scale}));
   };
   return boxes_apart(ball(a, motion_a), ball(b, motion_b), margin) ||
          boxes_apart(world_box(a, motion_a), world_box(b, motion_b), margin);
 }
 
 /// Covers the error of the stored fine meshes; a pose stretches it by less than 1e-9.
-double fine_slack(const Shape& a, const Shape& b) { return (1 + 1e-8) * (a.fine_error + b.fine_error); }
+double fine_slack(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b) {
+  return (1 + 1e-8) * (motion_a.scale * a.fine_error + motion_b.scale * b.fine_error);
+}
 
 /// What the stages after the boxes share. Closed surfaces that never meet keep their places inside
 /// and outside of each other: that is asked at the start of the step only.
@@ -28,12 +30,16 @@ class BodyPair {
   BodyPair(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin)
       : a_(a),
         b_(b),
+        scale_a_(motion_a.scale),
+        scale_b_(motion_b.scale),
         motion_(pair_motion(a, motion_a, b, motion_b)),
-        b_to_a_(relative_frame(a, motion_a.start, b, motion_b.start)),
-        a_to_b_(relative_frame(b, motion_b.start, a, motion_a.start)),
-        distance_(required_distance(a, motion_a, b, motion_b, margin)) {}
+        b_to_a_(relative_frame(a, {motion_a.start, scale_a_}, b, {motion_b.start, scale_b_})),
+        a_to_b_(relative_frame(b, {motion_b.start, scale_b_}, a, {motion_a.start, scale_a_})),
+        distance_(required_distance(a, motion_a, b, motion_b, margin)),
+        fine_distance_(distance_ + fine_slack(a, motion_a, b, motion_b)) {}
 
-  bool cages_apart(const Surface& cage_a, const Surface& cage_b) const {
+  bool cages_apart(const Surface& of_a, const Surface& of_b) const {
+    const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
     return !hold(a_.solid == Solid::surface_only, b_.solid == Solid::surface_only) &&
            surfaces_apart(cage_a, cage_b, motion_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
            all_outside(cage_a, cage_b, b_to_a_);
@@ -42,22 +48,24 @@ class BodyPair {
   bool fine_apart() const {
     const bool open_a = a_.solid == Solid::surface_only || !a_.fine.closed;
     const bool open_b = b_.solid == Solid::surface_only || !b_.fine.closed;
-    return !hold(open_a, open_b) && surfaces_apart(a_.fine, b_.fine, motion_, distance_ + fine_slack(a_, b_)) &&
-           (open_b || all_outside(b_.fine, a_.fine, a_to_b_)) && (open_a || all_outside(a_.fine, b_.fine, b_to_a_));
+    const ScaledSurface fine_a(a_.fine, scale_a_), fine_b(b_.fine, scale_b_);
+    return !hold(open_a, open_b) && surfaces_apart(fine_a, fine_b, motion_, fine_distance_) &&
+           (open_b || all_outside(fine_b, fine_a, a_to_b_)) && (open_a || all_outside(fine_a, fine_b, b_to_a_));
   }
 
  private:
   // Whether one may lie in the other's unknown interior.
   bool hold(bool open_a, bool open_b) const {
-    return (open_a && could_hold(a_, motion_.a, b_, motion_.b, distance_)) ||
-           (open_b && could_hold(b_, motion_.b, a_, motion_.a, distance_));
+    return (open_a && could_hold(a_, scale_a_, motion_.a, b_, scale_b_, motion_.b, distance_)) ||
+           (open_b && could_hold(b_, scale_b_, motion_.b, a_, scale_a_, motion_.a, distance_));
   }
 
   const Shape& a_;
   const Shape& b_;
+  double scale_a_, scale_b_;
   PairMotion motion_;
   PairFrame b_to_a_, a_to_b_;
-  double distance_;
+  double distance_, fine_distance_;
 };
 
 }  // namespace
@@ -115,8 +123,8 @@ bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, co
     void* context;
   } inner{visit, context};
   return visit_near_triangles(
-      a.fine, b.fine, pair_motion(a, motion_a, b, motion_b),
-      required_distance(a, motion_a, b, motion_b, margin) + fine_slack(a, b), Effort::full,
+      {a.fine, motion_a.scale}, {b.fine, motion_b.scale}, pair_motion(a, motion_a, b, motion_b),
+      required_distance(a, motion_a, b, motion_b, margin) + fine_slack(a, motion_a, b, motion_b), Effort::full,
       [](void* c, std::int32_t i, std::int32_t j) {
         const auto& [call, outer] = *static_cast<const Context*>(c);
         return call(outer, {i, j});
@@ -132,7 +140,7 @@ double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3
   const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
   const double cosine = std::sqrt((1 - sine) * (1 + sine));
   // 1 - cos = sin^2 / (1 + cos): without cancellation.
-  const double radius = shape.outer().radius + (shape.origin - pivot).norm() + shape.outer_error();
+  const double radius = motion.scale * (shape.outer().radius + (shape.origin - pivot).norm() + shape.outer_error());
   return radius * (sine * sine / (1 + cosine)) * (1 + 1e-8);
 }
 

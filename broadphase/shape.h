@@ -29,6 +29,23 @@ struct Surface : MeshArraysView {
   }
 };
 
+/// A surface at the size that it has in the world: coordinates are `scale` times the stored ones. The surface
+/// must outlive it.
+class ScaledSurface {
+ public:
+  ScaledSurface(const Surface& surface, double scale = 1) : surface_(&surface), scale_(scale) {}  // NOLINT: a view
+
+  const Surface& operator*() const { return *surface_; }
+  const Surface* operator->() const { return surface_; }
+  double scale() const { return scale_; }
+  double radius() const { return scale_ * surface_->radius; }
+  Eigen::Vector3d vertex(std::int32_t v) const { return scale_ * surface_->vertex(v); }
+
+ private:
+  const Surface* surface_;
+  double scale_;
+};
+
 class Shape {
  public:
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< body frame = origin + local frame

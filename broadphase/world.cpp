@@ -116,14 +116,17 @@ void World::State::set_pose(BodyId id, const Eigen::Isometry3d& pose) {
   check_unlocked();
   body(id);
   check_pose(pose, number(id), "the pose");
-  set_motion(id, Motion::resting(pose));
+  set_motion(id, Motion::resting(pose, bodies_[number(id)].motion.scale));
 }
 
 void World::State::set_motion(BodyId id, const Motion& motion) {
   check_unlocked();
   const Body& known = body(id);
   const std::uint32_t n = number(id);
-  if (motion.start.matrix() == known.motion.start.matrix() && motion.end.matrix() == known.motion.end.matrix()) return;
+  if (motion.start.matrix() == known.motion.start.matrix() && motion.end.matrix() == known.motion.end.matrix() &&
+      motion.scale == known.motion.scale) {
+    return;
+  }
   check_pose(motion.start, n, "the start pose");
   check_pose(motion.end, n, "the end pose");
   if (!is_usable(motion)) throw Error(name(n) + "the rotation within the step reaches 180 degrees");
@@ -139,8 +142,8 @@ void World::State::set_motion(BodyId id, const Motion& motion) {
 
 Eigen::AlignedBox3d World::State::loose_box(ShapeId shape, const Motion& motion) const {
   const Eigen::AlignedBox3d& box = shapes_[number(shape)].box;
-  const Eigen::AlignedBox3d start = turned_box(box, motion.start);
-  return motion.at_rest() ? start : start.merged(turned_box(box, motion.end));
+  const Eigen::AlignedBox3d start = turned_box(box, motion.start, motion.scale);
+  return motion.at_rest() ? start : start.merged(turned_box(box, motion.end, motion.scale));
 }
 
 World::State::TreeBoxes World::State::tree_boxes(ShapeId shape, const Motion& motion, const BodyOptions& options,

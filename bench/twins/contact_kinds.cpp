@@ -78,7 +78,7 @@ class PlanePairs : public PairKind {
   Outcome ask(TwinRandom& random, std::int64_t number) const override {
     const Body& body = random.one_of(number % 64 == 0 ? large_ : small_);
     const Eigen::Isometry3d pose = random.pose();
-    const Motion motion = random.below(3) == 0 ? Motion::resting(pose) : random_motion(random, body, pose);
+    const Motion motion = random.below(3) == 0 ? Motion::resting(pose, body.scale) : random_motion(random, body, pose);
     HalfSpace plane{.normal =
                         random.below(4) == 0 ? Eigen::Vector3d(random.quarter_turns().col(0)) : random.direction()};
     const double margin = random.margin(body, body);
@@ -93,8 +93,8 @@ class PlanePairs : public PairKind {
       random.near_change([&](double x) { return rejects(middle + reach - x); }, 2 * reach, body.diagonal());
     }
 
-    const test::ExactBody start(body.origin(), body.sample.source, motion.start);
-    const test::ExactBody end(body.origin(), body.sample.source, motion.end);
+    const test::ExactBody start(body.origin(), body.sample.source, motion.start, body.scale);
+    const test::ExactBody end(body.origin(), body.sample.source, motion.end, body.scale);
     const auto beyond = [&](double distance) {
       return all_beyond(start, plane.normal, plane.offset, distance) &&
              all_beyond(end, plane.normal, plane.offset, distance);
@@ -102,9 +102,9 @@ class PlanePairs : public PairKind {
     Outcome outcome{.rejected = rejects(plane.offset), .sampled = true, .truth = Truth::apart};
     if (!beyond(margin)) outcome.truth = margin > 0 && beyond(0) ? Truth::within_margin : Truth::touching;
     // The fine mesh alone has contacts; its vertices are not the source's.
-    const bool contact =
-        !body.has_fine() ||
-        first_contact(*body.shape, motion, plane, {.margin = margin + body.sample.hierarchy.fine_error * (1 + 1e-8)});
+    const bool contact = !body.has_fine() ||
+                         first_contact(*body.shape, motion, plane,
+                                       {.margin = margin + body.scale * body.sample.hierarchy.fine_error * (1 + 1e-8)});
     outcome.missed = outcome.truth != Truth::apart && (outcome.rejected || !contact);
     outcome.far = outcome.truth == Truth::apart && body.has_fine() && beyond(margin + 0.01 * body.diagonal());
     if (outcome.missed) outcome.what = body.sample.name + ", margin " + std::to_string(margin);

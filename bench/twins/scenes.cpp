@@ -16,7 +16,7 @@ namespace {
 
 /// From `start`: turned about the centre, which moves by at most `way`.
 Motion turned(TwinRandom& random, const Body& body, const Pose& start, double angle, double way) {
-  Motion motion = Motion::resting(start);
+  Motion motion = Motion::resting(start, body.scale);
   const Vector axis = random.direction();
   motion.end.linear() = Eigen::AngleAxisd(random.uniform(-angle, angle), axis) * start.linear();
   const Vector by = random.direction() * random.uniform(0, way);
@@ -57,8 +57,8 @@ void on_lattice_at_rest(TwinRandom& random, Scene& scene) {
   Vector translation = pose_b.translation();
   nudge(random, translation);
   pose_b.translation() = translation;
-  scene.motion_a = Motion::resting(pose_a);
-  scene.motion_b = Motion::resting(pose_b);
+  scene.motion_a = Motion::resting(pose_a, scene.a->scale);
+  scene.motion_b = Motion::resting(pose_b, scene.b->scale);
 }
 
 /// The same during a step: they slide along each other, or meet at its end.
@@ -92,7 +92,7 @@ std::vector<Body> kept(std::vector<Body> bodies, Scenes::Bodies which) {
 Motion random_motion(TwinRandom& random, const Body& body, const Pose& start) {
   const double size = body.diagonal();
   switch (random.below(8)) {
-    case 0: return Motion::resting(start);
+    case 0: return Motion::resting(start, body.scale);
     case 1: return turned(random, body, start, 0, 2 * size);
     case 2: return turned(random, body, start, 3.054, 1.5 * size);  // 175 degrees
     case 3: return turned(random, body, start, 3.054, 0.1 * size);
@@ -136,8 +136,8 @@ Scene Scenes::start(TwinRandom& random, std::int64_t number) const {
     p.translation() *= in.unit;
     return p;
   };
-  scene.motion_a = Motion::resting(pose());
-  scene.motion_b = Motion::resting(pose());
+  scene.motion_a = Motion::resting(pose(), scene.a->scale);
+  scene.motion_b = Motion::resting(pose(), scene.b->scale);
   scene.margin = random.margin(*scene.a, *scene.b);
   return scene;
 }

@@ -29,8 +29,8 @@ struct RestingTruth::Data {
 
 RestingTruth::RestingTruth(const Scene& scene)
     : data_(new Data{scene,
-                     {scene.a->origin(), scene.a->sample.source, scene.motion_a.start},
-                     {scene.b->origin(), scene.b->sample.source, scene.motion_b.start}}) {}
+                     {scene.a->origin(), scene.a->sample.source, scene.motion_a.start, scene.a->scale},
+                     {scene.b->origin(), scene.b->sample.source, scene.motion_b.start, scene.b->scale}}) {}
 RestingTruth::~RestingTruth() = default;
 
 bool RestingTruth::surfaces_near(double distance) const { return surfaces_meet(data_->a, data_->b, distance); }
@@ -59,8 +59,8 @@ struct MovingTruth::Data {
 
   bool contained_at_start() const {
     if (!scene.a->solid() && !scene.b->solid()) return false;
-    return contained(scene, {scene.a->origin(), scene.a->sample.source, scene.motion_a.start},
-                     {scene.b->origin(), scene.b->sample.source, scene.motion_b.start});
+    return contained(scene, {scene.a->origin(), scene.a->sample.source, scene.motion_a.start, scene.a->scale},
+                     {scene.b->origin(), scene.b->sample.source, scene.motion_b.start, scene.b->scale});
   }
 };
 

@@ -35,13 +35,14 @@ int level_count(const Shape& shape) noexcept;
 /// Triangles of a cage, 0 <= level < level_count(shape).
 std::int64_t level_triangles(const Shape& shape, int level) noexcept;
 
-/// Rigid motion of the body frame (the frame of the source file) to the world.
-/// Every vertex moves on the straight line between its two places.
+/// Rigid motion of the body frame (the frame of the source file) to the world, of a body at `scale` times its size:
+/// x -> pose * (scale * x). Every vertex moves on the straight line between its two places.
 struct Motion {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d end = Eigen::Isometry3d::Identity();
+  double scale = 1;  ///< > 0, the same throughout
 
-  static Motion resting(const Eigen::Isometry3d& pose) { return {pose, pose}; }
+  static Motion resting(const Eigen::Isometry3d& pose, double scale = 1) { return {pose, pose, scale}; }
   bool at_rest() const { return start.matrix() == end.matrix(); }
 };
 
@@ -58,14 +59,14 @@ struct Verdict {
   std::int16_t level = -1;  ///< for Stage::cage: index of the cage level, 0 the finest
 };
 
-/// Whether queries answer about this motion at all: both poses finite and within
-/// 1e-9 of rigid, and the rotation between them below 180 degrees (with 1e-6 to spare).
+/// Whether queries answer about this motion at all: both poses finite and within 1e-9 of rigid, the rotation between
+/// them below 180 degrees (with 1e-6 to spare), the scale between 1e-50 and 1e50.
 bool is_usable(const Motion& motion) noexcept;
 
 /// Bound of how far a point of the body leaves its straight path if the body
 /// really turns about its axis at uniform angular velocity: r (1 - cos(angle/2)), r the
-/// largest distance of a vertex from the axis through `pivot` (body frame) that stays on its straight path. World
-/// units, rounded up; 0 for a motion without rotation. Add it to a margin for both bodies.
+/// largest distance of a vertex from the axis through `pivot` (body frame, before scaling) that stays on its straight
+/// path. World units, rounded up; 0 for a motion without rotation. Add it to a margin for both bodies.
 double arc_margin(const Shape& shape, const Motion& motion,
                   const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
 

@@ -90,6 +90,7 @@ class PairContact {
   const Shape& b_;
   ContactOptions options_;
   Motion motion_a_;
+  double scale_b_;
   std::array<Eigen::Affine3d, 2> ends_a_, ends_b_;  // local frames to the frame of the computation, start and end
   double required_ = 0;                             // distance that proves absence of contact, rounding included
   std::optional<Contact> first_;

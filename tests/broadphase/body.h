@@ -10,15 +10,16 @@
 
 namespace encage::test {
 
-/// A sample and the run time's shape of it.
+/// A sample and the run time's shape of it; how large it is in the world.
 struct Body {
   Sample sample;
   ShapePtr shape;
+  double scale;
 
-  explicit Body(Sample s) : sample(std::move(s)), shape(make_shape(sample.hierarchy)) {}
-  double diagonal() const { return sample.hierarchy.diagonal; }
+  explicit Body(Sample s, double size = 1) : sample(std::move(s)), shape(make_shape(sample.hierarchy)), scale(size) {}
+  double diagonal() const { return scale * sample.hierarchy.diagonal; }
   const Eigen::Vector3d& origin() const { return sample.hierarchy.origin; }
-  Eigen::Vector3d centre(const Eigen::Isometry3d& pose) const { return pose * origin(); }
+  Eigen::Vector3d centre(const Eigen::Isometry3d& pose) const { return pose * (scale * origin()); }
   bool solid() const { return sample.hierarchy.solid != Solid::surface_only; }
   bool has_fine() const { return sample.hierarchy.fine.triangles.rows() > 0; }
   /// The finest that is stored: the fine mesh, else the first cage.

@@ -120,12 +120,13 @@ int winding(const ExactBody::Data& body, const Point& p) {
 
 }  // namespace
 
-ExactBody::ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose)
+ExactBody::ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose,
+                     double scale)
     : data_(std::make_unique<Data>()) {
   std::vector<Point> points;
   for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
     std::array<K::FT, 3> x, y;
-    for (int k = 0; k < 3; ++k) x[k] = K::FT(origin[k]) + K::FT(mesh.vertices(v, k));
+    for (int k = 0; k < 3; ++k) x[k] = K::FT(scale) * (K::FT(origin[k]) + K::FT(mesh.vertices(v, k)));
     for (int k = 0; k < 3; ++k) {
       y[k] = K::FT(pose(k, 3));
       for (int j = 0; j < 3; ++j) y[k] += K::FT(pose(k, j)) * x[j];

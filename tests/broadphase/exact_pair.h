@@ -12,11 +12,11 @@
 
 namespace encage::test {
 
-/// A mesh as posed: every vertex is the exact image of `origin + vertex` under
-/// the pose, whose entries are taken as the rational numbers they are.
+/// A mesh as posed: every vertex is the exact image of `scale (origin + vertex)` under
+/// the pose, all entries being taken as the rational numbers they are.
 class ExactBody {
  public:
-  ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose);
+  ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose, double scale = 1);
   ~ExactBody();
 
   struct Data;

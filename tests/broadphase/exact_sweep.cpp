@@ -134,7 +134,7 @@ MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, 
   const auto placed = [&](const Eigen::Isometry3d& pose) {
     Vertices vertices = mesh.vertices;
     for (std::int64_t v = 0; v < vertices.rows(); ++v) {
-      vertices.row(v) = (pose * (origin + mesh.vertex(static_cast<std::int32_t>(v)))).transpose();
+      vertices.row(v) = (pose * (motion.scale * (origin + mesh.vertex(static_cast<std::int32_t>(v))))).transpose();
     }
     return vertices;
   };

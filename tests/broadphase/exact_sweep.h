@@ -21,7 +21,8 @@ struct MovingMesh {
   Triangles triangles;
 };
 
-/// A mesh on a body's motion: every vertex the image of origin + vertex, rounded (1e-15 of its size).
+/// A mesh on a body's motion: every vertex the image of scale (origin + vertex), rounded (1e-15 of its
+/// size).
 MovingMesh moving_mesh(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Motion& motion);
 
 /// Pairs of triangles whose boxes are at most `distance` apart in some 32nd of the step.

@@ -17,6 +17,9 @@ void add_kinds(const Sample& sample, double unit, std::vector<Body>& all) {
   Sample moved = sample;
   moved.hierarchy.origin = Vector(10'000, -2'500.25, 0.375) * unit;
   all.emplace_back(moved);
+  // One power of two, where lattices go on to meet; the others round.
+  constexpr std::array scales = {0.3712, 2.0, 1 / 3.0, 37.3, 1e-3};
+  all.emplace_back(sample, scales[all.size() % scales.size()]);
 }
 
 using MakeSamples = std::vector<Sample>(double jitter);
@@ -66,13 +69,13 @@ Vector TwinRandom::surface_point(const Body& body) {
   const auto t = static_cast<std::int64_t>(below(static_cast<unsigned>(mesh.triangles.rows())));
   double u = uniform(0, 1), v = uniform(0, 1);
   if (u + v > 1) u = 1 - u, v = 1 - v;
-  return body.origin() + (1 - u - v) * mesh.corner(t, 0) + u * mesh.corner(t, 1) + v * mesh.corner(t, 2);
+  return body.scale * (body.origin() + (1 - u - v) * mesh.corner(t, 0) + u * mesh.corner(t, 1) + v * mesh.corner(t, 2));
 }
 
 Vector TwinRandom::meeting_place(const Body& a, const Eigen::Isometry3d& pose_a, const Body& b,
                                  const Eigen::Isometry3d& pose_b) {
   if (below(2) == 0) return a.centre(pose_a) + direction() * uniform(0, 0.15) * (a.diagonal() + b.diagonal());
-  return pose_a * surface_point(a) - pose_b.linear() * (surface_point(b) - b.origin());
+  return pose_a * surface_point(a) - pose_b.linear() * (surface_point(b) - b.scale * b.origin());
 }
 
 Eigen::Matrix3d TwinRandom::quarter_turns() {
