@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/frame.h"
 
+#include "broadphase/body_box.h"
+#include "broadphase/compound.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -139,6 +142,7 @@ Eigen::AlignedBox3d pose_box(const Shape& shape, const Placement& at) noexcept {
 }
 
 Eigen::AlignedBox3d ball_box(const Shape& shape, const Placement& at) noexcept {
+  if (!shape.parts.empty()) return turned_box(shape.part_nodes.front().box, at.pose, at.scale);
   const double radius = shape.outer().radius;
   const Eigen::Vector3d centre = at.origin(shape);
   // Twice the slack of pose_box(): what contains the exact box contains the rounded one as well.
@@ -151,6 +155,7 @@ Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept
     constexpr double infinity = std::numeric_limits<double>::infinity();
     return {Eigen::Vector3d::Constant(-infinity), Eigen::Vector3d::Constant(infinity)};
   }
+  if (!shape.parts.empty()) return compound_box(shape, motion);
   const Eigen::AlignedBox3d start = pose_box(shape, {motion.start, motion.scale});
   return motion.at_rest() ? start : start.merged(pose_box(shape, {motion.end, motion.scale}));
 }

@@ -52,11 +52,12 @@ bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, dou
 /// the exact one, and no more than `tolerance` above it.
 double support(const Surface& surface, const Eigen::Vector3d& n, double tolerance = 0) noexcept;
 
-/// World box of the body at one pose, rounding included: that of a mesh or cage
+/// World box of a body that is no compound at one pose, rounding included: that of a mesh or cage
 /// with few vertices; without one that of the body, wider than need be by 2^-8 of its radius at most.
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Placement& at) noexcept;
 
-/// Cheaper and looser: the box of the ball about the local origin. It contains pose_box().
+/// Cheaper and looser: the box of the ball about the local origin. It contains pose_box(). Of a compound, the box of
+/// its turned box.
 Eigen::AlignedBox3d ball_box(const Shape& shape, const Placement& at) noexcept;
 
 }  // namespace encage

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "broadphase/compound.h"
 #include "broadphase/feature_pair.h"
 #include "broadphase/frame.h"
 #include "broadphase/plane_check.h"
@@ -113,29 +114,50 @@ Vector orient(const Meeting& meeting, double margin) {
 
 }  // namespace
 
+bool PairContact::Side::turn_to(std::int32_t triangle) noexcept {
+  if (part != nullptr && triangle >= first_triangle && triangle - first_triangle < triangle_count) return false;
+  const MovingPart moving = whole.parts.empty() ? MovingPart{&whole, whole_motion}
+                                                : moving_part(whole, part_of_triangle(whole, triangle), whole_motion);
+  part = moving.shape;
+  motion = moving.motion;
+  slack = moving.slack;
+  first_triangle = moving.first_triangle;
+  first_vertex = moving.first_vertex;
+  triangle_count = static_cast<std::int32_t>(part->fine.mesh.triangles.size());
+  assert(!part->fine.empty());
+  return true;
+}
+
 PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          const ContactOptions& options) noexcept
-    : a_(a), b_(b), options_(options), motion_a_(motion_a), scale_b_(motion_b.scale) {
-  assert(!a.fine.empty() && !b.fine.empty() && is_usable(motion_a) && is_usable(motion_b));
-  const PairMotion pair = pair_motion(a, motion_a, b, motion_b);
-  for (std::size_t end = 0; end < 2; ++end) {
-    ends_a_[end] = affine(pair.a[end]);
-    ends_b_[end] = affine(pair.b[end]);
-  }
-  required_ = required_distance(a, motion_a, b, motion_b, options.margin);
+    : a_(a, motion_a), b_(b, motion_b), options_(options) {
+  assert(is_usable(motion_a) && is_usable(motion_b));
 }
 
 void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) noexcept {
-  const auto moving = [](const ScaledSurface& surface, const std::array<Eigen::Affine3d, 2>& ends,
-                         std::int32_t triangle) {
-    const auto& t = surface->mesh.triangles[triangle];
+  const bool turned_a = a_.turn_to(triangle_a), turned_b = b_.turn_to(triangle_b);
+  if (turned_a || turned_b) {
+    const PairMotion pair = pair_motion(*a_.part, a_.motion, *b_.part, b_.motion);
+    for (std::size_t end = 0; end < 2; ++end) {
+      a_.ends[end] = affine(pair.a[end]);
+      b_.ends[end] = affine(pair.b[end]);
+    }
+    required_ = required_distance(*a_.part, a_.motion, *b_.part, b_.motion, options_.margin + a_.slack + b_.slack);
+  }
+  const auto moving = [](const Side& side, std::int32_t triangle) {
+    const auto& t = side.part->fine.mesh.triangles[triangle];
     const LeafTriangle leaf = {
         {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])}, triangle};
-    return std::pair(leaf.vertices, moving_triangle(surface, {affine(ends[0]), affine(ends[1])}, leaf));
+    std::array<std::int32_t, 3> numbers = leaf.vertices;
+    for (std::int32_t& v : numbers) v += side.first_vertex;
+    return std::pair(numbers, moving_triangle({side.part->fine, side.motion.scale},
+                                              {affine(side.ends[0]), affine(side.ends[1])}, leaf));
   };
-  const auto [va, ta] = moving({a_.fine, motion_a_.scale}, ends_a_, triangle_a);
-  const auto [vb, tb] = moving({b_.fine, scale_b_}, ends_b_, triangle_b);
-  const unsigned owned_a = a_.fine.owned[triangle_a], owned_b = b_.fine.owned[triangle_b];
+  triangle_a -= a_.first_triangle;
+  triangle_b -= b_.first_triangle;
+  const auto [va, ta] = moving(a_, triangle_a);
+  const auto [vb, tb] = moving(b_, triangle_b);
+  const unsigned owned_a = a_.part->fine.owned[triangle_a], owned_b = b_.part->fine.owned[triangle_b];
   const auto sorted = [](std::int32_t x, std::array<std::int32_t, 3> rest) {
     std::sort(rest.begin(), rest.end());
     return std::array<std::int32_t, 4>{x, rest[0], rest[1], rest[2]};
@@ -183,52 +205,82 @@ void PairContact::consider(ContactKind kind, const MovingPoints& points,
                               ? meet_edges(points, *time)
                               : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
   // The common frame: a's start orientation, its origin moving with a's.
-  const auto origin = [&](const Eigen::Isometry3d& pose) { return Placement(pose, motion_a_.scale).origin(a_); };
-  contact.point = motion_a_.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
-                  ((1 - *time) * origin(motion_a_.start) + *time * origin(motion_a_.end));
-  contact.normal = (motion_a_.start.linear() * orient(meeting, options_.margin)).normalized();
+  const Motion& motion = a_.motion;
+  const auto origin = [&](const Eigen::Isometry3d& pose) { return Placement(pose, motion.scale).origin(*a_.part); };
+  contact.point = motion.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
+                  ((1 - *time) * origin(motion.start) + *time * origin(motion.end));
+  contact.normal = (motion.start.linear() * orient(meeting, options_.margin)).normalized();
   first_ = contact;
 }
 
-std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                                     const ContactOptions& options) noexcept {
-  const PairMotion motion = pair_motion(a, motion_a, b, motion_b);
+namespace {
+
+/// Hands the pairs of triangles near each other of two parts to the narrow phase.
+void contact_of_parts(const MovingPart& a, const MovingPart& b, const ContactOptions& options, PairContact& narrow) {
+  const PairMotion motion = pair_motion(*a.shape, a.motion, *b.shape, b.motion);
   // What the narrow phase calls a contact must pass the culling, whatever finds the pair: rounding included twice.
-  const double required = 2 * (required_distance(a, motion_a, b, motion_b, options.margin) + options.arc);
-  PairContact narrow(a, motion_a, b, motion_b, options);
-  const ScaledSurface fine_a(a.fine, motion_a.scale), fine_b(b.fine, motion_b.scale);
+  const double margin = options.margin + a.slack + b.slack;
+  const double required = 2 * (required_distance(*a.shape, a.motion, *b.shape, b.motion, margin) + options.arc);
+  const ScaledSurface fine_a(a.shape->fine, a.motion.scale), fine_b(b.shape->fine, b.motion.scale);
+  struct Numbered {
+    PairContact& narrow;
+    std::int32_t first_a, first_b;
+  } numbered{narrow, a.first_triangle, b.first_triangle};
   visit_intervals(fine_a, fine_b, motion, required, [&](double t0, double t1) {
     if (t0 > narrow.latest()) return false;
     return visit_near_triangles(
         fine_a, fine_b, motion.part(t0, t1), required, Effort::quick,
         [](void* context, std::int32_t triangle_a, std::int32_t triangle_b) {
-          static_cast<PairContact*>(context)->test(triangle_a, triangle_b);
+          const auto& [contact, first_a, first_b] = *static_cast<const Numbered*>(context);
+          contact.test(first_a + triangle_a, first_b + triangle_b);
           return true;
         },
-        &narrow);
+        &numbered);
+  });
+}
+
+void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const ContactOptions& options,
+                        std::optional<Contact>& first) {
+  const PlaneCheck check(*a.shape, a.motion, plane, options.margin + a.slack, options.arc);
+  if (check.beyond_throughout()) return;
+  check.visit_reaching([&](std::int32_t vertex, double time) {
+    if (time > (first ? first->time : options.latest)) return;
+    Contact contact;
+    contact.time = time;
+    contact.kind = ContactKind::vertex_plane;
+    contact.vertices = {a.first_vertex + vertex, -1, -1, -1};
+    if (first && rank(*first) <= rank(contact)) return;
+    const Vector x = a.motion.scale * (a.shape->origin + a.shape->fine.vertex(vertex));
+    contact.point = (1 - time) * (a.motion.start * x) + time * (a.motion.end * x);
+    contact.normal = plane.normal;
+    first = contact;
+  });
+}
+
+}  // namespace
+
+std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                                     const ContactOptions& options) noexcept {
+  PairContact narrow(a, motion_a, b, motion_b, options);
+  // Parts that boxes tell apart by this much are beyond what the narrow phase calls a contact: required_distance() is
+  // below it, whatever the poses.
+  const double size = size_in_world(a, motion_a) + size_in_world(b, motion_b);
+  const double margin = 2 * ((1 + 1e-6) * options.margin + options.arc) + 1e-6 * size;
+  for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    contact_of_parts(part_a, part_b, options, narrow);
+    return true;
   });
   return narrow.first();
 }
 
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
                                      const ContactOptions& options) noexcept {
-  assert(!a.fine.empty() && is_usable(motion_a));
-  const PlaneCheck check(a, motion_a, plane, options.margin, options.arc);
-  if (check.beyond_throughout()) return std::nullopt;
+  assert(is_usable(motion_a));
   std::optional<Contact> first;
-  check.visit_reaching([&](std::int32_t vertex, double time) {
-    if (time > (first ? first->time : options.latest)) return;
-    Contact contact;
-    contact.time = time;
-    contact.kind = ContactKind::vertex_plane;
-    contact.vertices = {vertex, -1, -1, -1};
-    if (first && rank(*first) <= rank(contact)) return;
-    first = contact;
+  for_each_part(a, motion_a, [&](const MovingPart& part) {
+    contact_with_plane(part, plane, options, first);
+    return true;
   });
-  if (!first) return first;
-  const Vector x = motion_a.scale * (a.origin + a.fine.vertex(first->vertices[0]));
-  first->point = (1 - first->time) * (motion_a.start * x) + first->time * (motion_a.end * x);
-  first->normal = plane.normal;
   return first;
 }
 

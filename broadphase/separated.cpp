@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "broadphase/compound.h"
 #include "broadphase/containment.h"
 #include "broadphase/frame.h"
 #include "broadphase/plane_check.h"
@@ -40,20 +41,30 @@ class BodyPair {
 
   bool cages_apart(const Surface& of_a, const Surface& of_b) const {
     const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
-    return !hold(a_.solid == Solid::surface_only, b_.solid == Solid::surface_only) &&
-           surfaces_apart(cage_a, cage_b, motion_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
-           all_outside(cage_a, cage_b, b_to_a_);
+    const auto open = [](const Shape& shape) { return shape.solid == Solid::surface_only && !shape.hollow; };
+    return !hold(open(a_), open(b_)) && surfaces_apart(cage_a, cage_b, motion_, distance_) &&
+           all_outside(cage_b, cage_a, a_to_b_) && all_outside(cage_a, cage_b, b_to_a_);
   }
 
   bool fine_apart() const {
-    const bool open_a = a_.solid == Solid::surface_only || !a_.fine.closed;
-    const bool open_b = b_.solid == Solid::surface_only || !b_.fine.closed;
+    const Interior in_a = interior(a_), in_b = interior(b_);
     const ScaledSurface fine_a(a_.fine, scale_a_), fine_b(b_.fine, scale_b_);
-    return !hold(open_a, open_b) && surfaces_apart(fine_a, fine_b, motion_, fine_distance_) &&
-           (open_b || all_outside(fine_b, fine_a, a_to_b_)) && (open_a || all_outside(fine_a, fine_b, b_to_a_));
+    return !hold(in_a == Interior::unknown, in_b == Interior::unknown) &&
+           surfaces_apart(fine_a, fine_b, motion_, fine_distance_) &&
+           (in_b != Interior::enclosed || all_outside(fine_b, fine_a, a_to_b_)) &&
+           (in_a != Interior::enclosed || all_outside(fine_a, fine_b, b_to_a_));
   }
 
  private:
+  enum class Interior {
+    none,
+    enclosed,  // by the fine mesh, which is closed
+    unknown,
+  };
+  static Interior interior(const Shape& shape) {
+    if (shape.hollow) return Interior::none;
+    return shape.solid == Solid::surface_only || !shape.fine.closed ? Interior::unknown : Interior::enclosed;
+  }
   // Whether one may lie in the other's unknown interior.
   bool hold(bool open_a, bool open_b) const {
     return (open_a && could_hold(a_, scale_a_, motion_.a, b_, scale_b_, motion_.b, distance_)) ||
@@ -68,13 +79,9 @@ class BodyPair {
   double distance_, fine_distance_;
 };
 
-}  // namespace
-
-Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                  const PairOptions& options) noexcept {
-  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.margin >= 0)) return {};
-  if (options.boxes && body_boxes_apart(a, motion_a, b, motion_b, options.margin)) return {true, Stage::box, -1};
-
+/// The stages after the boxes, of simple shapes.
+Verdict simple_separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                         const PairOptions& options) {
   const BodyPair pair(a, motion_a, b, motion_b, options.margin);
   Verdict last;
   const bool fine = options.fine && !a.fine.empty() && !b.fine.empty();
@@ -93,6 +100,72 @@ Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const 
   return {pair.fine_apart(), Stage::fine, -1};
 }
 
+Verdict simple_separated(const MovingPart& a, const HalfSpace& plane, double margin) {
+  const bool cage = a.shape->fine.empty();
+  return {PlaneCheck(*a.shape, a.motion, plane, margin + a.slack).beyond_throughout(), cage ? Stage::cage : Stage::fine,
+          static_cast<std::int16_t>(cage ? 0 : -1)};
+}
+
+/// The verdict about all parts: the first that is not separated, or the last stage that some part needed.
+class PartsVerdict {
+ public:
+  bool add(const Verdict& verdict) {
+    if (!verdict.separated || verdict.stage >= all_.stage) all_ = verdict;
+    return verdict.separated;
+  }
+  const Verdict& all() const { return all_; }
+
+ private:
+  Verdict all_{true, Stage::box, -1};
+};
+
+std::int32_t triangle_count(const Shape& shape) {
+  std::int32_t count = 0;
+  for_each_part(shape, {}, [&](const MovingPart& part) {
+    count += static_cast<std::int32_t>(part.shape->fine.mesh.triangles.size());
+    return true;
+  });
+  return count;
+}
+
+/// What visit_candidates() asks about two parts.
+struct PartCandidates {
+  const MovingPart& a;
+  const MovingPart& b;
+  bool (*visit)(void* context, TrianglePair pair);
+  void* context;
+
+  bool run(double margin) {
+    if (a.shape->fine.empty() || b.shape->fine.empty()) return true;
+    const double distance = required_distance(*a.shape, a.motion, *b.shape, b.motion, margin + a.slack + b.slack) +
+                            fine_slack(*a.shape, a.motion, *b.shape, b.motion);
+    return visit_near_triangles(
+        {a.shape->fine, a.motion.scale}, {b.shape->fine, b.motion.scale},
+        pair_motion(*a.shape, a.motion, *b.shape, b.motion), distance, Effort::full,
+        [](void* c, std::int32_t i, std::int32_t j) {
+          const auto& [part_a, part_b, call, outer] = *static_cast<const PartCandidates*>(c);
+          return call(outer, {part_a.first_triangle + i, part_b.first_triangle + j});
+        },
+        this);
+  }
+};
+
+}  // namespace
+
+Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                  const PairOptions& options) noexcept {
+  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.margin >= 0)) return {};
+  if (options.boxes && body_boxes_apart(a, motion_a, b, motion_b, options.margin)) return {true, Stage::box, -1};
+  if (a.parts.empty() && b.parts.empty()) return simple_separated(a, motion_a, b, motion_b, options);
+  PartsVerdict verdict;
+  for_each_part_pair(a, motion_a, b, motion_b, options.margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    PairOptions part_options = options;
+    part_options.margin += part_a.slack + part_b.slack;
+    return verdict.add(simple_separated(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion, part_options));
+  });
+  return verdict.all();
+}
+
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                   double margin) noexcept {
   return separated(a, motion_a, b, motion_b, PairOptions{.margin = margin});
@@ -100,17 +173,16 @@ Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const 
 
 Verdict separated(const Shape& a, const Motion& motion_a, const HalfSpace& plane, double margin) noexcept {
   if (!is_usable(motion_a) || !(margin >= 0)) return {};
-  const Stage stage = a.fine.empty() ? Stage::cage : Stage::fine;
-  return {PlaneCheck(a, motion_a, plane, margin).beyond_throughout(), stage,
-          static_cast<std::int16_t>(a.fine.empty() ? 0 : -1)};
+  PartsVerdict verdict;
+  for_each_part(a, motion_a,
+                [&](const MovingPart& part) { return verdict.add(simple_separated(part, plane, margin)); });
+  return verdict.all();
 }
 
 bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
                       bool (*visit)(void* context, TrianglePair pair), void* context) {
-  if (a.fine.empty() || b.fine.empty()) return true;
   if (!is_usable(motion_a) || !is_usable(motion_b) || !(margin >= 0)) {
-    const auto count_a = static_cast<std::int32_t>(a.fine.mesh.triangles.size());
-    const auto count_b = static_cast<std::int32_t>(b.fine.mesh.triangles.size());
+    const std::int32_t count_a = triangle_count(a), count_b = triangle_count(b);
     for (std::int32_t i = 0; i < count_a; ++i) {
       for (std::int32_t j = 0; j < count_b; ++j) {
         if (!visit(context, {i, j})) return false;
@@ -118,18 +190,9 @@ bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, co
     }
     return true;
   }
-  struct Context {
-    bool (*visit)(void* context, TrianglePair pair);
-    void* context;
-  } inner{visit, context};
-  return visit_near_triangles(
-      {a.fine, motion_a.scale}, {b.fine, motion_b.scale}, pair_motion(a, motion_a, b, motion_b),
-      required_distance(a, motion_a, b, motion_b, margin) + fine_slack(a, motion_a, b, motion_b), Effort::full,
-      [](void* c, std::int32_t i, std::int32_t j) {
-        const auto& [call, outer] = *static_cast<const Context*>(c);
-        return call(outer, {i, j});
-      },
-      &inner);
+  return for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    return PartCandidates{part_a, part_b, visit, context}.run(margin);
+  });
 }
 
 double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3d& pivot) noexcept {
@@ -140,7 +203,14 @@ double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3
   const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
   const double cosine = std::sqrt((1 - sine) * (1 + sine));
   // 1 - cos = sin^2 / (1 + cos): without cancellation.
-  const double radius = motion.scale * (shape.outer().radius + (shape.origin - pivot).norm() + shape.outer_error());
+  double radius = 0;
+  for_each_part(shape, Motion{.scale = 1}, [&](const MovingPart& part) {
+    const Shape& of = *part.shape;
+    const Eigen::Vector3d origin = Placement(part.motion.start, part.motion.scale).origin(of);
+    radius = std::max(radius, part.motion.scale * (of.outer().radius + of.outer_error()) + (origin - pivot).norm());
+    return true;
+  });
+  radius *= motion.scale;
   return radius * (sine * sine / (1 + cosine)) * (1 + 1e-8);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/shape.h"
 
+#include "src/rounding.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
@@ -13,8 +15,27 @@
 namespace encage {
 namespace {
 
+/// What can go wrong before coordinates are rounded.
+void check_mesh(const TriangleMesh& mesh) {
+  const auto fail = [](const std::string& what, std::int64_t n, const std::string& why) {
+    throw Error("mesh: " + what + " " + std::to_string(n) + " " + why);
+  };
+  const std::int64_t count = mesh.vertices.rows();
+  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t v = mesh.triangles(t, k);
+      if (v < 0 || v >= count) fail("triangle", t, "has vertex " + std::to_string(v) + ", of " + std::to_string(count));
+    }
+  }
+  for (std::int64_t v = 0; v < count; ++v) {
+    if (!mesh.vertices.row(v).allFinite()) fail("vertex", v, "is not finite");
+    if (mesh.vertices.row(v).cwiseAbs().maxCoeff() > 1e37) fail("vertex", v, "is too large for float32");
+  }
+  if (mesh.triangles.rows() == 0) throw Error("mesh: no triangles");
+}
+
 /// Everything but the surfaces; what a reader has checked holds for hierarchies made otherwise, too.
-std::shared_ptr<Shape> describe(const CageHierarchy& hierarchy) {
+std::shared_ptr<Shape> describe(const CageHierarchy& hierarchy, const ShapeOptions& options) {
   if (hierarchy.levels.size() > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
   if (!hierarchy.origin.allFinite()) throw Error("hierarchy: the origin is not finite");
   if (!(hierarchy.fine_error >= 0) || std::isinf(hierarchy.fine_error)) {
@@ -23,6 +44,7 @@ std::shared_ptr<Shape> describe(const CageHierarchy& hierarchy) {
   auto shape = std::make_shared<Shape>();
   shape->origin = hierarchy.origin;
   shape->solid = hierarchy.solid;
+  shape->hollow = options.hollow;
   shape->fine_error = hierarchy.fine_error;
   return shape;
 }
@@ -132,11 +154,11 @@ Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
   }
 }
 
-ShapePtr make_shape(const CageHierarchy& hierarchy) {
+ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options) {
   if (hierarchy.levels.empty() && hierarchy.fine.triangles.rows() == 0) {
     throw Error("hierarchy has neither cages nor a fine mesh");
   }
-  const auto shape = describe(hierarchy);
+  const auto shape = describe(hierarchy, options);
   if (hierarchy.fine.triangles.rows() > 0) {
     set_fine(*shape, keep(*shape, make_mesh_arrays(hierarchy.fine, "fine mesh")));
   }
@@ -147,18 +169,30 @@ ShapePtr make_shape(const CageHierarchy& hierarchy) {
   return shape;
 }
 
-ShapePtr load_shape(const std::filesystem::path& file) {
+ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options) {
+  check_mesh(mesh);
+  CageHierarchy hierarchy;
+  hierarchy.fine = mesh;
+  hierarchy.solid = is_closed(mesh) ? Solid::closed : Solid::surface_only;
+  const Eigen::AlignedBox3d box = bounds(mesh);
+  if (!box.isEmpty()) hierarchy.origin = local_origin(box);
+  hierarchy.fine.vertices.rowwise() -= hierarchy.origin.transpose();
+  hierarchy.fine_error = round_vertices(hierarchy.fine);
+  return make_shape(hierarchy, options);
+}
+
+ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options) {
   AssetView view(file, Verify::cages);
   for (const AssetSection& section : view.sections()) {
     if (section.kind == SectionKind::fine) view.verify_hash(section);
   }
   const auto fine = view.fine();
   if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
-  const auto shape = describe(view.description());
+  const auto shape = describe(view.description(), options);
   try {
     // Assets from before trees were stored have none.
     const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
-    if (!finest) return make_shape(copy_hierarchy(view));
+    if (!finest) return make_shape(copy_hierarchy(view), options);
     if (fine) set_fine(*shape, *finest);
     for (std::size_t k = 0; k < view.description().levels.size(); ++k) {
       const auto arrays = view.cage_arrays(k);
@@ -174,10 +208,20 @@ ShapePtr load_shape(const std::filesystem::path& file) {
   return shape;
 }
 
-int level_count(const Shape& shape) noexcept { return static_cast<int>(shape.cages.size()); }
+int level_count(const Shape& shape) noexcept {
+  int count = static_cast<int>(shape.cages.size());
+  for (const ShapePart& part : shape.parts) count = std::max(count, level_count(*part.shape));
+  return count;
+}
 
 std::int64_t level_triangles(const Shape& shape, int level) noexcept {
-  return static_cast<std::int64_t>(shape.cages[level].mesh.triangles.size());
+  if (shape.parts.empty()) return static_cast<std::int64_t>(shape.cages[level].mesh.triangles.size());
+  std::int64_t count = 0;
+  for (const ShapePart& part : shape.parts) {
+    const int levels = level_count(*part.shape);
+    if (levels > 0) count += level_triangles(*part.shape, std::min(level, levels - 1));
+  }
+  return count;
 }
 
 }  // namespace encage

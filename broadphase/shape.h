@@ -46,16 +46,38 @@ class ScaledSurface {
   double scale_;
 };
 
+/// One part of a compound: itself no compound.
+struct ShapePart {
+  ShapePtr shape;
+  Eigen::Isometry3d pose;
+  double scale;
+  Eigen::AlignedBox3d box;      ///< in the compound's frame
+  double reach;                 ///< sum of the sizes that its place is computed from
+  std::int32_t first_triangle;  ///< of all parts' fine meshes
+  std::int32_t first_vertex;
+};
+
+struct PartNode {
+  Eigen::AlignedBox3d box;  ///< in the compound's frame
+  std::array<std::int32_t, 2> children = {-1, -1};
+  std::int32_t part = -1;  ///< of a leaf
+};
+
+/// Simple, or a compound: that has parts and none of its own surfaces.
 class Shape {
  public:
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< body frame = origin + local frame
   Solid solid = Solid::closed;
+  bool hollow = false;         ///< the body is its surface alone
   double fine_error = 0;       ///< distance of a source vertex from its fine vertex, at most
   double radius = 0;           ///< largest of all surfaces
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty
   Outline outline;             ///< few points that hold the body, for its world boxes; may be empty
   double outline_radius = 0;   ///< largest norm of these
+
+  std::vector<ShapePart> parts;
+  std::vector<PartNode> part_nodes;  ///< a tree, the root first
 
   /// The surface whose box bounds the body, and the error of that.
   const Surface& outer() const { return fine.empty() ? cages.front() : fine; }

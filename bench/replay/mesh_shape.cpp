@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/mesh_shape.h"
 
+#include "src/rounding.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
 
@@ -20,11 +22,8 @@ CageHierarchy fine_only(const SourceMesh& source) {
   hierarchy.source_volume = source.volume;
   hierarchy.diagonal = source.diagonal;
   hierarchy.cap_count = source.cap_count;
-  hierarchy.fine.triangles = source.obstacle.triangles;
-  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> rounded = source.obstacle.vertices.cast<float>();
-  hierarchy.fine.vertices = rounded.cast<double>();
-  const double error = (hierarchy.fine.vertices - source.obstacle.vertices).rowwise().norm().maxCoeff();
-  hierarchy.fine_error = error * (1 + 1e-9);
+  hierarchy.fine = source.obstacle;
+  hierarchy.fine_error = round_vertices(hierarchy.fine);
   return hierarchy;
 }
 

@@ -12,7 +12,7 @@
 #include "bench/tank/cpu_clock.h"
 #include "bench/zoo/intersections.h"
 #include "bench/zoo/plain_methods.h"
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 
 namespace encage::zoo {
 
@@ -31,7 +31,7 @@ BaselineResult judged(const char* name, const SourceMesh& source, const std::fun
   try {
     cage = make();
     result.cpu_seconds = tank::thread_cpu_seconds() - start;
-    makers::round_vertices(cage);  // as an asset stores it
+    round_vertices(cage);  // as an asset stores it
   } catch (const std::exception& error) {
     result.cpu_seconds = tank::thread_cpu_seconds() - start;
     result.error = error.what();

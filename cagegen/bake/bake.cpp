@@ -10,7 +10,7 @@
 #include "cagegen/bake/coarse_meshes.h"
 #include "cagegen/bake/level_maker.h"
 #include "cagegen/bake/options.h"
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 
 namespace encage {
 
@@ -26,11 +26,7 @@ CageHierarchy describe_source(const SourceMesh& source, bool keep_fine) {
   result.diagonal = source.diagonal;
   result.cap_count = source.cap_count;
   TriangleMesh fine = source.obstacle;
-  makers::round_vertices(fine);
-  for (std::int32_t v = 0; v < fine.vertices.rows(); ++v) {
-    result.fine_error = std::max(result.fine_error, (fine.vertex(v) - source.obstacle.vertex(v)).norm());
-  }
-  result.fine_error *= 1 + 1e-12;  // the norm itself is rounded
+  result.fine_error = round_vertices(fine);
   if (keep_fine) result.fine = std::move(fine);
   return result;
 }

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cagegen/certify/certify.h"
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 
 namespace encage {
 
@@ -25,7 +25,7 @@ std::vector<TriangleMesh> local_coarse_meshes(const BakeOptions& options, const 
   for (std::size_t i = 0; i < options.coarse.size(); ++i) {
     TriangleMesh mesh = options.coarse[i];
     mesh.vertices.rowwise() -= source.origin.transpose();
-    makers::round_vertices(mesh);
+    round_vertices(mesh);
     local.push_back(std::move(mesh));
     const CertifyResult proof = certify_alone(local.back());
     if (proof.holds) continue;
@@ -44,7 +44,7 @@ Decimator checked_decimator(const Decimator& decimator, const std::string& name)
       throw Error(what + "made " + std::to_string(mesh.triangles.rows()) + " triangles of at most " +
                   std::to_string(faces));
     }
-    makers::round_vertices(mesh);
+    round_vertices(mesh);
     const CertifyResult proof = certify_alone(mesh);
     if (!proof.holds) throw Error(what + without_cage(proof.reason));
     return mesh;

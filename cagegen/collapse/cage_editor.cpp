@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 
 namespace encage::makers {
 

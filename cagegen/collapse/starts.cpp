@@ -10,7 +10,7 @@
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/geometry/qp3.h"
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 
 namespace encage::makers {
 

@@ -13,7 +13,7 @@
 #include "cagegen/collapse/convex_hull.h"
 #include "cagegen/collapse/starts.h"
 #include "cagegen/geometry/cgal_mesh.h"
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 
 namespace encage::makers {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cagegen/geometry/closest.h"
-#include "cagegen/geometry/rounding.h"
 #include "cagegen/geometry/separation.h"
+#include "src/rounding.h"
 
 namespace encage::makers {
 

@@ -7,7 +7,7 @@
 
 #include "cagegen/collapse/starts.h"
 #include "cagegen/decimate/decimate.h"
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 
 namespace encage::makers {
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <span>
 #include <type_traits>
 
 namespace encage {
@@ -19,20 +20,53 @@ namespace encage {
 class Shape;
 using ShapePtr = std::shared_ptr<const Shape>;
 
+struct ShapeOptions {
+  /// The body is its surface alone, like a terrain or a sheet: nothing is inside it, and what lies within a closed or
+  /// open surface without touching it is separated. Otherwise an open surface may have an interior, which nobody
+  /// knows, and whatever is in its hull answers "maybe".
+  bool hollow = false;
+};
+
 /// Builds the trees; O(n log n) for n triangles, single-threaded. Copies what it
 /// needs. Throws Error if the hierarchy is malformed: nothing to test (no
 /// levels and no fine mesh), a cage that is empty or not closed, indices out of
 /// range, coordinates that are not finite or not exact in float32.
-ShapePtr make_shape(const CageHierarchy& hierarchy);
+ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options = {});
+
+/// A shape without cages, e.g. static terrain: the mesh as it is, degenerate triangles and all. It is solid where no
+/// edge is left open. Rounded to float32; queries account for that. O(n log n); throws Error as above.
+ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options = {});
 
 /// Maps an asset and uses it in place, trees included; the file must not be changed
 /// while the shape lives. Throws Error naming file, section and reason.
-ShapePtr load_shape(const std::filesystem::path& file);
+ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options = {});
 
-/// Number of cages. Level 0 is the finest.
+/// A shape at its place in a compound: x -> pose * (scale * x).
+struct CompoundPart {
+  ShapePtr shape;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  double scale = 1;
+};
+
+/// A body of several rigid parts, which may overlap: their union. Shares the parts' shapes; compounds among them are
+/// taken apart. Triangles and vertices of fine meshes count through all parts, in order. Queries cost what the parts
+/// near the other body cost. Throws Error naming the part: no shape, a pose not finite or farther than 1e-12 from
+/// rigid, a scale not between 1e-50 and 1e50.
+ShapePtr make_compound(std::span<const CompoundPart> parts);
+
+std::int64_t part_count(const Shape& shape) noexcept;  ///< 1 for what is no compound
+
+/// Which triangle of which part a triangle of the whole is.
+struct PartTriangle {
+  std::int32_t part = 0;  ///< compounds among the parts having been taken apart
+  std::int32_t triangle = 0;
+};
+PartTriangle part_triangle(const Shape& shape, std::int32_t triangle) noexcept;
+
+/// Number of cages; of a compound, of the part that has most. Level 0 is the finest.
 int level_count(const Shape& shape) noexcept;
 
-/// Triangles of a cage, 0 <= level < level_count(shape).
+/// Triangles of a cage, 0 <= level < level_count(shape); of all parts' cages of the level, or their coarsest.
 std::int64_t level_triangles(const Shape& shape, int level) noexcept;
 
 /// Rigid motion of the body frame (the frame of the source file) to the world, of a body at `scale` times its size:
@@ -109,7 +143,7 @@ struct PairOptions {
 /// A closed or capped body is its surface and the points of non-zero winding
 /// number. A `surface_only` body is its surface; as its interior is unknown,
 /// another body of which a connected part lies wholly in its convex hull answers
-/// "maybe". docs/guarantee.md proves each stage.
+/// "maybe". A hollow body is its surface. docs/guarantee.md proves each stage.
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                   const PairOptions& options) noexcept;
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,

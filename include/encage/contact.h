@@ -66,7 +66,7 @@ struct Contact {
 /// detection for deformable models using representative triangles"): every
 /// pair of triangles in contact has to be handed in.
 ///
-/// Both shapes need a fine mesh and must outlive this. A step's rotation must stay below 180
+/// Both shapes, of compounds all parts, need a fine mesh and must outlive this. A step's rotation must stay below 180
 /// degrees (asserted, as are usable poses). Not for use by several threads; never allocates.
 class PairContact {
  public:
@@ -86,13 +86,23 @@ class PairContact {
  private:
   void consider(ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices) noexcept;
 
-  const Shape& a_;
-  const Shape& b_;
+  // A simple shape, or the part of a compound that was asked last.
+  struct Side {
+    Side(const Shape& shape, const Motion& of_whole) : whole(shape), whole_motion(of_whole) {}
+    bool turn_to(std::int32_t triangle) noexcept;  // false: there already
+
+    const Shape& whole;
+    Motion whole_motion;
+    const Shape* part = nullptr;
+    Motion motion{};
+    double slack = 0;
+    std::int32_t first_triangle = 0, first_vertex = 0, triangle_count = 0;
+    std::array<Eigen::Affine3d, 2> ends{};  // local frame to the frame of the computation, start and end
+  };
+
+  Side a_, b_;
   ContactOptions options_;
-  Motion motion_a_;
-  double scale_b_;
-  std::array<Eigen::Affine3d, 2> ends_a_, ends_b_;  // local frames to the frame of the computation, start and end
-  double required_ = 0;                             // distance that proves absence of contact, rounding included
+  double required_ = 0;  // distance that proves absence of contact, rounding included
   std::optional<Contact> first_;
   std::int64_t feature_tests_ = 0;
 };

@@ -19,7 +19,7 @@ void add_kinds(const Sample& sample, double unit, std::vector<Body>& all) {
   all.emplace_back(moved);
   // One power of two, where lattices go on to meet; the others round.
   constexpr std::array scales = {0.3712, 2.0, 1 / 3.0, 37.3, 1e-3};
-  all.emplace_back(sample, scales[all.size() % scales.size()]);
+  all.emplace_back(sample, scales[all.size() % scales.size()], all.size() % 4 == 1);
 }
 
 using MakeSamples = std::vector<Sample>(double jitter);

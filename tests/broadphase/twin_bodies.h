@@ -17,7 +17,7 @@
 namespace encage::test {
 
 /// Every kind of small body that the twin tests mix: with and without cages and fine
-/// mesh, with and without rounding of the fine mesh, large, small, scaled, far from 0. In a unit of 2^exponent.
+/// mesh, with and without rounding of the fine mesh, large, small, scaled, hollow, far from 0. In a unit of 2^exponent.
 std::vector<Body> twin_bodies(int exponent = 0);
 
 /// The same kinds with 1,000 to 2,048 triangles.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cagegen/collapse/starts.h"
-#include "cagegen/geometry/rounding.h"
+#include "src/rounding.h"
 #include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
