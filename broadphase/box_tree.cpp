@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/box_tree.h"
 
+#include "broadphase/room.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -34,11 +36,6 @@ double perimeter(const FloatBox& box) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) sum += static_cast<double>(box.upper[k]) - static_cast<double>(box.lower[k]);
   return sum;
-}
-
-template <class T>
-void make_room(std::vector<T>& v, std::size_t size) {
-  if (v.capacity() < size) v.reserve(std::max(size, v.capacity() + v.capacity() / 2));
 }
 
 }  // namespace
@@ -105,6 +102,11 @@ void BoxTree::remove(Leaf leaf) noexcept {
   }
   free_node(leaf);
   --size_;
+}
+
+void BoxTree::make_room_for(const BoxTree& other) {
+  make_room(nodes_, other.nodes_.size());
+  make_room(moved_, static_cast<std::size_t>(other.size_));
 }
 
 void BoxTree::touch(Leaf leaf) noexcept {

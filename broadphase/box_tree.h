@@ -57,6 +57,9 @@ class BoxTree {
 
   void remove(Leaf leaf) noexcept;
 
+  /// Room for what the other tree holds: assigning it then allocates nothing, nor does update().
+  void make_room_for(const BoxTree& other);
+
   /// Treats the leaf as moved.
   void touch(Leaf leaf) noexcept;
   bool has_moved(Leaf leaf) const noexcept { return nodes_[leaf].child[1] != none; }

@@ -2,58 +2,85 @@
 #pragma once
 
 #include "broadphase/box_tree.h"
+#include "broadphase/id_table.h"
+#include "broadphase/pair_key.h"
+#include "broadphase/sleeping_pairs.h"
 #include "broadphase/triangle_lists.h"
 
 #include <encage/world.h>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace encage {
 
-/// What a World holds. A tree of enlarged boxes finds pairs of bodies once, when
+// Larger ones could overflow where bounds are added up.
+inline constexpr double largest_length = 1e150;
+
+/// Why a length is refused, e.g. "the margin -1 is negative"; empty if it is not.
+std::string length_defect(const char* what, double length);
+
+/// What a World holds; a copy of it is a snapshot. A tree of enlarged boxes finds pairs of bodies once, when
 /// one of them leaves its box; the pairs are kept, sorted, with what was last proven about them.
+///
+/// A body is *active* while it is awake, or if it was changed after the last complete search. Pairs without an active
+/// body are not among those kept; of such a pair it is only known that it was a candidate.
 class World::State {
  public:
-  ShapeId add_shape(ShapePtr shape);
+  ShapeId add_shape(ShapePtr shape, double margin);
   BodyId add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options);
   HalfSpaceId add_half_space(const HalfSpace& half_space, const Filter& filter);
-  void remove_body(BodyId body);
+  void remove(ShapeId id);
+  void remove(BodyId id);
+  void remove(HalfSpaceId id);
   void set_pose(BodyId body, const Eigen::Isometry3d& pose);
   void set_motion(BodyId body, const Motion& motion);
+  void set_shape(BodyId body, ShapeId shape);
+  void set_options(BodyId body, const BodyOptions& options);
+  void set_awake(BodyId body, bool awake);
+  void set_deformation(BodyId body, double bound);
   CandidateStatistics search(const CandidateOptions& options, void (*visit)(void*, const CandidatePair&),
                              void* context);
+  /// Becomes equal to another one, without losing capacity; all or nothing.
+  void assign(const State& other);
+  void check_unlocked() const;
 
   struct Body {
     Motion motion;
     BodyOptions options;
+    double deformation = 0;
+    bool awake = true;         // never if it is static
     Eigen::AlignedBox3d box;   // world_box(), where box_of is changed_at
     std::uint64_t box_of = 0;  // the time of the motion that `box` is about; atomic during a search
     ShapeId shape{};
-    BoxTree::Leaf leaf = -1;  // -1: removed
+    BoxTree::Leaf leaf = -1;
   };
-  const Body& body(BodyId id) const;  // throws Error for an unknown or a removed one
-  const ShapePtr& shape(BodyId id) const { return shapes_[static_cast<std::uint32_t>(body(id).shape)].shape; }
-  const HalfSpace& half_space(HalfSpaceId id) const;
-  bool contains(BodyId id) const noexcept;
-
-  std::int64_t shape_count() const noexcept { return static_cast<std::int64_t>(shapes_.size()); }
-  std::int64_t body_count() const noexcept { return tree_.size(); }
-  std::int64_t half_space_count() const noexcept { return static_cast<std::int64_t>(planes_.size()); }
-
- private:
   struct SharedShape {
     ShapePtr shape;
     Eigen::AlignedBox3d box;  // in the body frame
+    double margin = 0;
+    std::int64_t bodies = 0;
   };
   struct Plane {
     HalfSpace half_space;
     Filter filter;
+    std::uint64_t changed_at = 0;
   };
+  // Throw Error for what is unknown or removed.
+  const Body& body(BodyId id) const;
+  const SharedShape& shape(ShapeId id) const;
+  const Plane& half_space(HalfSpaceId id) const;
+
+  const IdTable<ShapeId>& shape_ids() const noexcept { return shape_ids_; }
+  const IdTable<BodyId>& body_ids() const noexcept { return body_ids_; }
+  const IdTable<HalfSpaceId>& plane_ids() const noexcept { return plane_ids_; }
+
+ private:
   // What every search reads of every body.
   struct Bounds {
     Eigen::AlignedBox3d loose;  // contains the body during its motion, cheap to compute
-    double margin = 0;
+    double margin = 0;          // all that is the body's own
     std::uint64_t changed_at = 0;
   };
   // Boxes for the tree: what must be inside, and what is worth having.
@@ -62,32 +89,62 @@ class World::State {
     FloatBox fat;
   };
   struct Pair {
-    std::uint64_t key = 0;        // sorts the pairs
+    std::uint64_t key = 0;
     std::uint64_t tested_at = 0;  // the time of what follows
     Verdict verdict{};            // if asked
-    bool apart = false;           // boxes are
-    bool asked = false;
-    bool counted = false;  // by CandidateStatistics::asked
-    bool refused = false;  // by CandidateOptions::accept, if this search has one
+    bool apart : 1 = false;       // boxes are
+    bool asked : 1 = false;
+    bool counted : 1 = false;    // by CandidateStatistics::asked
+    bool refused : 1 = false;    // by CandidateOptions::accept, if this search has one
+    bool candidate : 1 = false;  // in the search before, or in this one if it has come there
+  };
+  // A pair that was a candidate and is kept no longer.
+  struct Ended {
+    std::uint64_t key = 0;
+    BodyId a{}, b{};
+    HalfSpaceId half_space{};
+    friend auto operator<=>(const Ended&, const Ended&) = default;
+  };
+  // Nothing that outlasts a call: not copied.
+  struct Scratch {
+    Scratch() = default;
+    Scratch(const Scratch&) {}
+    Scratch& operator=(const Scratch&) { return *this; }
+
+    bool searching = false;
+    std::vector<Pair> merged;
+    std::vector<std::uint64_t> fresh, woken;  // keys
+    std::vector<TrianglePair> triangles;      // of one pair
+    TriangleLists lists;                      // of pairs that tasks went through
+    std::vector<TriangleLists::List> list;    // of pairs
   };
   class Search;
 
-  static constexpr std::uint32_t half_space_bit = 0x80000000;
-  static std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
-  static std::uint32_t first(const Pair& pair) { return static_cast<std::uint32_t>(pair.key >> 32); }
-  static std::uint32_t second(const Pair& pair) { return static_cast<std::uint32_t>(pair.key); }
-  static bool has_half_space(const Pair& pair) { return (pair.key & half_space_bit) != 0; }
+  static constexpr std::uint8_t outdated = 1, listed_as_removed = 2;  // bits of outdated_
 
-  void check_unlocked() const;
-  Eigen::AlignedBox3d loose_box(ShapeId shape, const Motion& motion) const;
-  TreeBoxes tree_boxes(ShapeId shape, const Motion& motion, const BodyOptions& options,
-                       const Eigen::AlignedBox3d& loose) const;
+  const ShapePtr& shape_of(const Body& body) const { return shapes_[index(body.shape)].shape; }
+  void check_options(BodyId id, const BodyOptions& options) const;
+  Eigen::AlignedBox3d loose_box(const Body& body) const;
+  TreeBoxes tree_boxes(const Body& body, const Bounds& bounds) const;
+  Bounds bounds_of(const Body& body) const;
+  void update(std::uint32_t body) noexcept;
 
+  // Pairs whose tree boxes overlap.
   void collect(double margin);
   void find_fresh_pairs(double margin);
-  void find_fresh_half_spaces(std::uint32_t body, std::size_t first_plane, double margin);
-  void merge_fresh_pairs();
+  void find_fresh_half_spaces(std::uint32_t body, bool outdated_ones, double margin);
+  template <class Visit>
+  void for_each_woken(Visit&& visit) const;
+  void prepare_merge();
+  void merge_pairs() noexcept;
+  void note_collected() noexcept;
   bool allowed(const Body& a, const Body& b) const noexcept;
+  bool is_active(std::uint32_t body) const noexcept;
+  bool is_active(std::uint64_t key) const noexcept;
+  bool is_outdated(std::uint64_t key) const noexcept;
+  bool is_same(std::uint32_t body) const noexcept;
+  bool is_same(std::uint64_t key) const noexcept;
+  Ended ended(std::uint64_t key) const noexcept;
 
   double margin_of(const Pair& pair, double margin) const noexcept;
   bool is_current(const Pair& pair) const noexcept;
@@ -99,28 +156,36 @@ class World::State {
   void for_each_triangle_pair(const Pair& pair, double margin, Visit&& visit) const;
   CandidatePair candidate(const Pair& pair) const noexcept;
 
+  IdTable<ShapeId> shape_ids_;
+  IdTable<BodyId> body_ids_;
+  IdTable<HalfSpaceId> plane_ids_;
+  // By index.
   std::vector<SharedShape> shapes_;
   std::vector<Plane> planes_;
   std::vector<Body> bodies_;
-  std::vector<Bounds> bounds_;          // of bodies_
-  std::vector<std::uint8_t> outdated_;  // bodies that left their place in the tree since their pairs were collected
+  std::vector<Bounds> bounds_;
+  // Added, removed, woken, or out of their place in the tree since pairs were collected.
+  std::vector<std::uint8_t> outdated_, outdated_planes_;
+  std::vector<BodyId> collected_;              // whose pairs are known
+  std::vector<HalfSpaceId> collected_planes_;  // the same
+  std::vector<std::uint32_t> removed_;         // since pairs were collected
+
   BoxTree tree_;
   std::uint64_t clock_ = 0;        // counts changes and searches
-  std::uint64_t complete_at_ = 0;  // the last search that left no pair unasked
-  bool searching_ = false;
+  std::uint64_t searched_at_ = 0;  // the last search that came to its end
+  std::uint64_t complete_at_ = 0;  // the last one that left no pair unasked
+  bool has_stirred_ = false;       // something is active for having been changed only
 
   std::vector<Pair> pairs_;  // all that are allowed and whose tree boxes overlap, by key
-  std::vector<Pair> merged_;
-  std::vector<std::uint64_t> fresh_;
-  bool has_stale_pairs_ = false;      // of removed bodies
-  std::size_t collected_planes_ = 0;  // pairs_ knows the first ones
-  double collected_margin_ = 0;       // pairs_ is complete up to this one
+  SleepingPairs sleeping_;   // candidates that are left out
+  std::vector<Ended> ended_;
+  std::size_t ended_visited_ = 0;
+  bool has_stale_pairs_ = false;  // of what was removed or fell asleep
+  bool has_outdated_planes_ = false;
+  double collected_margin_ = 0;  // pairs_ is complete up to this one
   PairOptions last_options_;
   std::uint64_t options_changed_at_ = 0;
-
-  std::vector<TrianglePair> triangles_;    // of one pair
-  TriangleLists lists_;                    // of pairs that tasks went through
-  std::vector<TriangleLists::List> list_;  // of pairs_
+  Scratch scratch_;
 };
 
 }  // namespace encage

@@ -10,12 +10,12 @@ int main(int argc, char** argv) try {
   encage::World world;
   const encage::ShapeId shape = world.add_shape(encage::load_shape(argv[1]));
   const auto at = [](double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); };
-  world.add_body(shape, at(100), {.is_static = true});
+  world.add_body(shape, at(100), {.kind = encage::BodyKind::static_});
   const encage::BodyId mover = world.add_body(shape, at(0));
   world.set_motion(mover, {at(0), at(std::atof(argv[2]))});
   world.find_candidates({.triangles = true}, [](const encage::CandidatePair& pair) {
-    std::printf("bodies %u and %u may touch: %zu pairs of triangles\n", static_cast<unsigned>(pair.a),
-                static_cast<unsigned>(pair.b), pair.triangles.size());
+    std::printf("bodies %u and %u may touch: %zu pairs of triangles\n", index(pair.a), index(pair.b),
+                pair.triangles.size());
   });
   std::printf("%d bodies searched\n", static_cast<int>(world.body_count()));
 } catch (const encage::Error& error) {

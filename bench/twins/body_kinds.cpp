@@ -74,8 +74,10 @@ class WorldPairs : public PairKind {
     // Part of the margin is the bodies' own.
     const double own = random.coin() ? 0 : 0.25 * scene.margin;
     options.pair.margin = scene.margin - 2 * own;
-    const BodyId a = world.add_body(world.add_shape(scene.a->shape), scene.motion_a.start, {.margin = own});
-    const BodyId b = world.add_body(world.add_shape(scene.b->shape), elsewhere(random, scene), {.margin = own});
+    const BodyOptions of_a{.margin = own, .scale = scene.motion_a.scale},
+        of_b{.margin = own, .scale = scene.motion_b.scale};
+    const BodyId a = world.add_body(world.add_shape(scene.a->shape), scene.motion_a.start, of_a);
+    const BodyId b = world.add_body(world.add_shape(scene.b->shape), elsewhere(random, scene), of_b);
     world.add_body(world.add_shape(scene.b->shape), elsewhere(random, scene));
     if (random.coin()) world.find_candidates(options, [](const CandidatePair&) {});
     world.set_motion(a, scene.motion_a);
