@@ -112,6 +112,15 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
       {[&] { world.set_options(body, {.margin = -2}); }, "body 0: the margin -2 is negative"},
       {[&] { world.set_options(body, {.kind = BodyKind::static_}); },
        "body 0: a body that moves within a step cannot become static"},
+      {[&] { world.add_body(shape, shift(0), {.scale = 0}); },
+       "body 2 (generation 1): the scale 0 is not between 1e-50 and 1e50"},
+      {[&] { world.set_scale(body, -2); }, "body 0: the scale -2 is not between 1e-50 and 1e50"},
+      {[&] { world.set_scale(body, std::nan("")); }, "body 0: the scale nan is not between 1e-50 and 1e50"},
+      {[&] { world.set_scale(body, infinity); }, "body 0: the scale inf is not between 1e-50 and 1e50"},
+      {[&] {
+         world.set_motion(body, {shift(0), shift(1), 3});
+       },
+       "body 0: the motion's scale 3 is not the body's, 1"},
       {[&] { world.set_awake(removed, true); }, "body 2: was removed"},
       {[&] { world.set_deformation(body, -1e-3); }, "body 0: the deformation -0.001 is negative"},
       {[&] { world.set_deformation(body, 1e200); }, "body 0: the deformation 1e+200 is larger than 1e150"},

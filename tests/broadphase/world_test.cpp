@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/broadphase/count_allocations.h"
 #include "tests/broadphase/world_twin.h"
+#include "tests/shapes.h"
 
 #include <encage/world.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <random>
 #include <string>
@@ -45,6 +47,12 @@ TEST(Worlds, FindWhatBruteForceFindsWhateverTheHistory) {
   }
   EXPECT_GT(total, 1000);
   EXPECT_GT(rejected, 100);
+}
+
+/// Without verdicts.
+std::vector<Found> pairs(std::vector<Found> all) {
+  for (Found& f : all) f = {f.a, f.half_space, f.b};
+  return all;
 }
 
 // ---- What pairs ----------------------------------------------------------
@@ -116,6 +124,80 @@ TEST(Worlds, MarginsAddUp) {
   EXPECT_EQ(candidates(world, {.pair = {.margin = 0.499}}).size(), 0u);
   EXPECT_EQ(candidates(world, {.pair = {.margin = 0.501}}).size(), 1u);
   EXPECT_EQ(candidates(world, {.pair = {.margin = 0.499}}).size(), 0u);
+}
+
+TEST(Worlds, ShapesHaveMarginsToo) {
+  World world;
+  const ShapeId soft = world.add_shape(sample_shape("box"), 0.25), hard = world.add_shape(sample_shape("box"));
+  world.add_body(soft, shift(0));
+  world.add_body(soft, shift(2.51));
+  world.add_body(hard, shift(0, 2.24));
+  world.add_body(hard, shift(0, 4.25));
+  world.add_half_space({Vector::UnitZ(), -1.24}, {2, 1});
+  EXPECT_EQ(pairs(candidates(world)), (std::vector<Found>{{0, false, 2}, {0, true, 0}, {1, true, 0}}));
+}
+
+TEST(Worlds, ScaleTheirBodies) {
+  World world;
+  const ShapeId shape = world.add_shape(sample_shape("box"));  // half edge 1
+  const BodyId a = world.add_body(shape, shift(0), {.scale = 0.25});
+  const BodyId b = world.add_body(shape, shift(100), {.scale = 50});
+  EXPECT_EQ(world.motion(b).scale, 50);
+  world.add_half_space({Vector::UnitZ(), -0.6}, {2, 1});
+  EXPECT_EQ(candidates(world).size(), 1u);
+  const auto gap = [&](double x) {
+    world.set_pose(a, shift(50 - 0.25 - x));
+    return candidates(world).size() == 1;
+  };
+  EXPECT_TRUE(gap(1e-6));
+  EXPECT_FALSE(gap(-1e-6));
+  world.set_scale(a, 0.5);
+  EXPECT_FALSE(gap(0.2));
+  EXPECT_TRUE(gap(0.26));
+  // A motion without a scale of its own, or with the body's, takes the body's.
+  world.set_motion(a, {shift(0), shift(49.4)});
+  EXPECT_EQ(world.motion(a).scale, 0.5);
+  EXPECT_EQ(candidates(world).size(), 1u);
+  world.set_motion(a, {shift(0), shift(49.6), 0.5});
+  EXPECT_EQ(candidates(world).size(), 2u);
+}
+
+TEST(Worlds, RejectFarFromTheOriginAsNearIt) {
+  shapes::Random random(8);
+  const Vector far(1e7, -1e7, 1e7);
+  // What frames may lose there (docs/guarantee.md, entry 3), generously.
+  const double tolerance = 1e-4;
+  World here, there;
+  for (const char* name : {"box", "star", "torus"}) {
+    const ShapePtr shape = sample_shape(name);
+    for (World* world : {&here, &there}) {
+      const ShapeId id = world->add_shape(shape);
+      for (int i = 0; i < 25; ++i) world->add_body(id, shift(0));
+    }
+  }
+  std::size_t apart_all = 0;
+  for (int step = 0; step < 10; ++step) {
+    for (std::uint32_t i = 0; i < 75; ++i) {
+      Motion m = Motion::resting(shift(0));
+      // Exact there, too.
+      const auto exact = [](double x) { return std::round(x * 1024) / 1024; };
+      m.start.translation() = random.point(7).unaryExpr(exact);
+      m.end.translation() = m.start.translation() + random.point(0.5).unaryExpr(exact);
+      here.set_motion(static_cast<BodyId>(i), m);
+      m.start.translation() += far;
+      m.end.translation() += far;
+      there.set_motion(static_cast<BodyId>(i), m);
+    }
+    CandidateStatistics counts;
+    const std::vector<Found> near = pairs(candidates(here, {.pair = {.margin = 0.01}}));
+    const std::vector<Found> distant = pairs(candidates(there, {.pair = {.margin = 0.01}}, &counts));
+    const std::vector<Found> nearly = pairs(candidates(here, {.pair = {.margin = 0.01 + tolerance}}));
+    EXPECT_TRUE(std::includes(distant.begin(), distant.end(), near.begin(), near.end()));
+    EXPECT_TRUE(std::includes(nearly.begin(), nearly.end(), distant.begin(), distant.end()));
+    EXPECT_GT(near.size(), 20u);
+    apart_all += static_cast<std::size_t>(counts.separated[0] + counts.separated[1] + counts.separated[2]);
+  }
+  EXPECT_GT(apart_all, 50u);
 }
 
 TEST(Worlds, ThePredicateSeesEveryOverlapAndDropsWhatItRefuses) {

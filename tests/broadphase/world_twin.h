@@ -146,7 +146,7 @@ class Twin {
     e.shape = random_() % shapes_.size();
     e.options = options();
     const Pose start = pose();
-    e.motion = Motion::resting(start);
+    e.motion = Motion::resting(start, e.options.scale);
     e.awake = e.options.kind != BodyKind::static_;
     e.id = world.add_body(shapes_[e.shape].id, start, e.options);
     put(bodies_, e);
@@ -189,6 +189,7 @@ class Twin {
       BodyOptions changed = options();
       if (!e.motion.at_rest() && changed.kind == BodyKind::static_) changed.kind = BodyKind::kinematic;
       e.options = changed;
+      e.motion.scale = changed.scale;
       if (was_static || changed.kind == BodyKind::static_) e.awake = changed.kind != BodyKind::static_;
       world.set_options(e.id, changed);
     } else if (kind == Change::shape) {
@@ -198,7 +199,7 @@ class Twin {
       e.deformation = uniform();
       world.set_deformation(e.id, e.deformation);
     } else if (kind <= Change::pose_last || e.options.kind == BodyKind::static_) {
-      e.motion = Motion::resting(pose());
+      e.motion = Motion::resting(pose(), e.options.scale);
       world.set_pose(e.id, e.motion.start);
     } else {  // goes on from where it is, near or far
       e.motion.start = e.motion.end;
@@ -350,6 +351,7 @@ class Twin {
     const auto kind = random_() % 6;
     o.kind = kind == 0 ? BodyKind::static_ : kind == 1 ? BodyKind::kinematic : BodyKind::dynamic;
     o.margin = random_() % 4 == 0 ? uniform() : 0;
+    if (random_() % 4 == 0) o.scale = 0.5 + uniform();
     if (random_() % 4 == 0) o.filter = {1u << random_() % 3, static_cast<std::uint32_t>(random_() % 8)};
     if (random_() % 4 == 0) o.group = static_cast<int>(random_() % 5) - 2;
     return o;
