@@ -13,7 +13,7 @@ namespace encage {
 
 /// What a World holds. A tree of enlarged boxes finds pairs of bodies once, when
 /// one of them leaves its box; the pairs are kept, sorted, with what was last proven about them.
-class World::State {
+class [[gnu::visibility("hidden")]] World::State {
  public:
   ShapeId add_shape(ShapePtr shape);
   BodyId add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options);

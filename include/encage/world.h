@@ -6,6 +6,7 @@
 #include <encage/broadphase.h>
 #include <encage/error.h>
 #include <encage/executor.h>
+#include <encage/export.h>
 
 #include <array>
 #include <cstdint>
@@ -14,7 +15,7 @@
 #include <span>
 #include <type_traits>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Numbers that a World gives, each kind from 0 upwards; never the same one twice.
 enum class ShapeId : std::uint32_t {};
