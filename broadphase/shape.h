@@ -64,7 +64,7 @@ struct PartNode {
 };
 
 /// Simple, or a compound: that has parts and none of its own surfaces. Declared in a public
-/// header, but nobody else\'s business.
+/// header, but nobody else's business.
 class [[gnu::visibility("hidden")]] Shape {
  public:
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< body frame = origin + local frame

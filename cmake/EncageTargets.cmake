@@ -22,29 +22,47 @@ function(encage_library name)
   target_include_directories(encage_${name} PUBLIC ${PROJECT_SOURCE_DIR}/include)
 endfunction()
 
-# encage_product(name parts...): what other projects link as encage::name, of the objects of these parts: one static
-# or one shared library, as BUILD_SHARED_LIBS says.
+# What other projects link as encage::name: the objects of these parts as one library, static or shared as
+# BUILD_SHARED_LIBS says.
+#   encage_product(name PARTS part… [OFFLINE]
+#                  [HEADERS header…]                         of include/encage/, if no other product has them
+#                  [FIND "package argument…"…] [FIND_STATIC …]   what find_package(Encage) has to find with it
+#                  [PC module…] [PC_STATIC module…] [PC_LIBS_STATIC -llibrary…])       the same for pkg-config
 function(encage_product name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg OFFLINE "" "PARTS;HEADERS;FIND;FIND_STATIC;PC;PC_STATIC;PC_LIBS_STATIC")
   set(target encage_${name})
   add_library(${target})
   add_library(encage::${name} ALIAS ${target})
-  foreach(part IN LISTS ARGN)
+  foreach(part IN LISTS arg_PARTS)
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:encage_${part}>)
   endforeach()
   # Until 1.0 a minor version may break the interface.
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX POSITION_INDEPENDENT_CODE ON
-                        VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-                        INSTALL_RPATH $ORIGIN)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX INSTALL_RPATH $ORIGIN
+                        VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(${target} INTERFACE cxx_std_20)
-  target_include_directories(${target} INTERFACE
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_include_directories(${target} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
+
   get_target_property(type ${target} TYPE)
-  if(type STREQUAL SHARED_LIBRARY AND CMAKE_EXECUTABLE_FORMAT STREQUAL ELF)
-    # Instances of the standard library's templates are visible whatever the compiler is told.
-    set(map ${PROJECT_SOURCE_DIR}/cmake/encage.map)
-    target_link_options(${target} PRIVATE LINKER:--version-script=${map} LINKER:--no-undefined
-                                          LINKER:--exclude-libs,ALL)
-    set_target_properties(${target} PROPERTIES LINK_DEPENDS ${map})
+  if(type STREQUAL STATIC_LIBRARY)
+    list(APPEND arg_FIND ${arg_FIND_STATIC})
+  else()
+    set(arg_PC_STATIC)
+    set(arg_PC_LIBS_STATIC)
+    if(CMAKE_EXECUTABLE_FORMAT STREQUAL ELF)
+      # Instances of the standard library's templates are visible whatever the compiler is told.
+      set(map ${PROJECT_SOURCE_DIR}/cmake/encage.map)
+      target_link_options(${target} PRIVATE LINKER:--version-script=${map} LINKER:--no-undefined
+                                            LINKER:--exclude-libs,ALL)
+      set_target_properties(${target} PROPERTIES LINK_DEPENDS ${map})
+    endif()
+  endif()
+  if(ENCAGE_INSTALL)
+    set(components runtime development)
+    if(arg_OFFLINE)
+      set(components offline offline_development)
+    endif()
+    encage_install_product(${name} ${components} HEADERS ${arg_HEADERS} FIND ${arg_FIND} PC ${arg_PC}
+                           PC_STATIC ${arg_PC_STATIC} PC_LIBS_STATIC ${arg_PC_LIBS_STATIC})
   endif()
 endfunction()
 
