@@ -5,6 +5,7 @@
 
 #include <encage/executor.h>
 #include <encage/export.h>
+#include <encage/export.h>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
