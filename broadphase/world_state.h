@@ -26,7 +26,7 @@ std::string length_defect(const char* what, double length);
 ///
 /// A body is *active* while it is awake, or if it was changed after the last complete search. Pairs without an active
 /// body are not among those kept; of such a pair it is only known that it was a candidate.
-class World::State {
+class [[gnu::visibility("hidden")]] World::State {
  public:
   ShapeId add_shape(ShapePtr shape, double margin);
   BodyId add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options);

@@ -3,10 +3,11 @@
 
 #include <encage/cage.h>
 #include <encage/error.h>
+#include <encage/export.h>
 
 #include <filesystem>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Writes a hierarchy as binary glTF 2.0 with the extension ENCAGE_cages
 /// (docs/asset.md), to a temporary in the same folder, then renames it: an

@@ -7,6 +7,7 @@
 #include <encage/decimator.h>
 #include <encage/energy.h>
 #include <encage/error.h>
+#include <encage/export.h>
 #include <encage/mesh.h>
 
 #include <atomic>
@@ -18,7 +19,7 @@
 #include <string_view>
 #include <vector>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 // ---- Files ---------------------------------------------------------------
 

@@ -4,6 +4,7 @@
 // Run time: certified rejection of pairs. No CGAL, no allocation in queries.
 
 #include <encage/cage.h>
+#include <encage/export.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -13,7 +14,7 @@
 #include <span>
 #include <type_traits>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// What the run time needs of an asset: cages and fine mesh with their
 /// body-frame trees. Immutable; shared by any number of bodies and threads.

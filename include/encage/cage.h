@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <encage/export.h>
 #include <encage/mesh.h>
 
 #include <array>
@@ -9,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// 128-bit content hash (XXH3). Detects damage, not malice.
 struct Hash {

@@ -5,12 +5,13 @@
 // Conservative: a contact is reported wherever its absence is not proven.
 
 #include <encage/broadphase.h>
+#include <encage/export.h>
 
 #include <array>
 #include <cstdint>
 #include <optional>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 struct ContactOptions {
   /// World units, >= 0: what is not proven farther apart than this counts as contact.

@@ -3,12 +3,13 @@
 
 // Coarse meshes for the flow: Dec of Nested Cages, algorithm 1. Offline side.
 
+#include <encage/export.h>
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <functional>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Makes a mesh of at most `faces` triangles that resembles `finer`, the level before as it became, M(i-1), or
 /// `undeformed`, the same level as its own decimation made it, M^(i-1); the source is both for the first level.

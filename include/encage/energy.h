@@ -3,6 +3,7 @@
 
 // What a cage should be like, besides enclosing: E(F, C^, C) of Nested Cages, section 3.2. Offline side.
 
+#include <encage/export.h>
 #include <encage/mesh.h>
 
 #include <memory>
@@ -10,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// What an energy may look at; all in the local frame, all kept by the caller during the call.
 struct EnergyState {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <encage/export.h>
+
 #include <stdexcept>
 #include <string>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Bad input: the message names the file (where there is one), the element and
 /// the reason. Thrown while reading, baking and loading; never by a query.

@@ -3,11 +3,13 @@
 
 // How a search borrows threads of the caller's.
 
+#include <encage/export.h>
+
 #include <concepts>
 #include <functional>
 #include <type_traits>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Reference to what the tasks of one Executor::run do: two words, to be copied, not to be kept after run().
 class TaskRef {

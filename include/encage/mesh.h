@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <encage/export.h>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <vector>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// n x 3, one vertex a row, in the user's unit.
 using Vertices = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;

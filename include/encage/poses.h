@@ -2,13 +2,14 @@
 #pragma once
 
 #include <encage/error.h>
+#include <encage/export.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 struct BodyPose {
   std::int32_t body = 0;

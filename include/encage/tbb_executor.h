@@ -4,13 +4,15 @@
 // Searches on the threads of oneTBB. Header only: who includes it links TBB::tbb, the library does not.
 
 #include <encage/executor.h>
+#include <encage/export.h>
+#include <encage/export.h>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// In the arena of the thread that searches. By default as many tasks as that arena has threads.
 inline Executor tbb_executor(int threads = oneapi::tbb::this_task_arena::max_concurrency()) {

@@ -6,6 +6,7 @@
 #include <encage/broadphase.h>
 #include <encage/error.h>
 #include <encage/executor.h>
+#include <encage/export.h>
 
 #include <array>
 #include <concepts>
@@ -15,7 +16,7 @@
 #include <span>
 #include <type_traits>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Ids that a World gives, each kind its own: the index in the low 32 bits, from 0 upwards, and the generation in the
 /// high 32 bits. The index of what was removed is given again, the last one freed first, with

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The same programs for every way to link: consumer_COMPONENT of COMPONENT.cpp, for each of COMPONENTS.
+foreach(component IN LISTS COMPONENTS)
+  add_executable(consumer_${component} ${CMAKE_CURRENT_LIST_DIR}/${component}.cpp)
+  target_link_libraries(consumer_${component} PRIVATE encage::${component})
+endforeach()
