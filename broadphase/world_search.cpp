@@ -18,6 +18,12 @@ bool same(const PairOptions& a, const PairOptions& b) {
          a.coarsest_cage == b.coarsest_cage && a.fine == b.fine;
 }
 
+/// Ends the lock of a world.
+struct Unlock {
+  bool& locked;
+  ~Unlock() { locked = false; }
+};
+
 /// More than the rounding of a sum of four margins, and of this product.
 constexpr double rounded_up = 1 + 8 * std::numeric_limits<double>::epsilon();
 
@@ -25,40 +31,18 @@ constexpr double rounded_up = 1 + 8 * std::numeric_limits<double>::epsilon();
 
 // ---- One pair ------------------------------------------------------------
 
-double World::State::margin_of(const Pair& pair, double margin) const noexcept {
-  const double sum = margin + bounds_[first_of(pair.key)].margin;
-  return rounded_up * (has_half_space(pair.key) ? sum : sum + bounds_[second_of(pair.key)].margin);
+double World::State::margin_of(std::uint64_t key, double margin) const noexcept {
+  const double sum = margin + bounds_[first_of(key)].margin;
+  return rounded_up * (has_half_space(key) ? sum : sum + bounds_[second_of(key)].margin);
 }
 
-bool World::State::is_current(const Pair& pair) const noexcept {
-  std::uint64_t changed_at = std::max(options_changed_at_, bounds_[first_of(pair.key)].changed_at);
-  if (!has_half_space(pair.key)) changed_at = std::max(changed_at, bounds_[second_of(pair.key)].changed_at);
-  return pair.tested_at > changed_at;
-}
+bool World::State::is_current(const Pair& pair) const noexcept { return pair.tested_at > options_changed_at_; }
 
-Eigen::AlignedBox3d World::State::tight_box(std::uint32_t n) noexcept {
-  constexpr std::uint64_t nobody = ~std::uint64_t{0};
-  Body& body = bodies_[n];
-  const std::atomic_ref<std::uint64_t> box_of(body.box_of);
-  const std::uint64_t wanted = bounds_[n].changed_at;
-  std::uint64_t known = box_of.load(std::memory_order_acquire);
-  if (known == wanted) return body.box;
-  const Eigen::AlignedBox3d box = world_box(*shape_of(body), body.motion);
-  // Several threads may find the same box; one keeps it, none waits.
-  if (known != nobody && box_of.compare_exchange_strong(known, nobody, std::memory_order_relaxed)) {
-    body.box = box;
-    box_of.store(wanted, std::memory_order_release);
-  }
-  return box;
-}
-
-bool World::State::boxes_are_apart(const Pair& pair, double margin) noexcept {
-  const std::uint32_t a = first_of(pair.key), b = second_of(pair.key);
-  if (has_half_space(pair.key)) {
-    const HalfSpace& plane = planes_[half_space_of(pair.key)].half_space;
-    return box_beyond(bounds_[a].loose, plane, margin) || box_beyond(tight_box(a), plane, margin);
-  }
-  return boxes_apart(bounds_[a].loose, bounds_[b].loose, margin) || boxes_apart(tight_box(a), tight_box(b), margin);
+bool World::State::boxes_are_apart(std::uint64_t key, double margin) const noexcept {
+  const Eigen::AlignedBox3d& a = bounds_[first_of(key)].box;
+  if (has_half_space(key)) return box_beyond(a, planes_[half_space_of(key)].half_space, margin);
+  const Eigen::AlignedBox3d& b = bounds_[second_of(key)].box;
+  return !a.intersects(b) && boxes_apart(a, b, margin);
 }
 
 CandidatePair World::State::candidate(const Pair& pair) const noexcept {
@@ -74,9 +58,14 @@ CandidatePair World::State::candidate(const Pair& pair) const noexcept {
 }
 
 Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept {
+  // Nothing to ask: what there is of the bodies is not worth fetching.
+  if (!has_half_space(pair.key) && !options.fine && options.cages == CageUse::never &&
+      ((traits_[first_of(pair.key)] | traits_[second_of(pair.key)]) & is_compound) == 0) {
+    return {};
+  }
   const Body& a = bodies_[first_of(pair.key)];
   const Shape& shape_a = *shape_of(a);
-  options.margin = margin_of(pair, options.margin);
+  options.margin = margin_of(pair.key, options.margin);
   options.boxes = false;  // boxes_are_apart() has
   if (has_half_space(pair.key)) {
     return separated(shape_a, a.motion, planes_[half_space_of(pair.key)].half_space, options.margin);
@@ -90,7 +79,7 @@ void World::State::for_each_triangle_pair(const Pair& pair, double margin, Visit
   if (has_half_space(pair.key)) return;
   const Body& a = bodies_[first_of(pair.key)];
   const Body& b = bodies_[second_of(pair.key)];
-  for_each_candidate(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair, margin), visit);
+  for_each_candidate(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair.key, margin), visit);
 }
 
 // ---- Search --------------------------------------------------------------
@@ -107,12 +96,7 @@ class World::State::Search {
         now_(++state.clock_),
         tested_(state.complete_at_ == now_ - 1),
         shared_(options.executor.run && options.executor.threads > 1 && state.pairs_.size() > 1 &&
-                (!tested_ || options.triangles)) {
-    state_.scratch_.searching = true;
-  }
-  ~Search() { state_.scratch_.searching = false; }
-  Search(const Search&) = delete;
-  Search& operator=(const Search&) = delete;
+                (!tested_ || options.triangles)) {}
 
   CandidateStatistics run(void (*visit)(void*, const CandidatePair&), void* context) {
     if (options_.accept) call_accept();
@@ -125,7 +109,7 @@ class World::State::Search {
  private:
   void test_boxes(Pair& pair) noexcept {
     if (state_.is_current(pair)) return;
-    pair.apart = state_.boxes_are_apart(pair, state_.margin_of(pair, margin_));
+    pair.apart = state_.boxes_are_apart(pair.key, state_.margin_of(pair.key, margin_));
     pair.asked = false;
     pair.tested_at = now_;
   }
@@ -297,7 +281,9 @@ CandidateStatistics World::State::search(const CandidateOptions& options, void (
   if (const int threads = options.executor.threads; threads < 1) {
     throw Error("candidate options: the number of threads " + std::to_string(threads) + " is not positive");
   }
-  collect(options.pair.margin);
+  scratch_.searching = true;
+  const Unlock unlock{scratch_.searching};
+  collect(options.pair.margin, options.executor);
   if (!same(options.pair, last_options_)) {
     last_options_ = options.pair;
     options_changed_at_ = ++clock_;
