@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/triangle_pair.h"
 
+#include "broadphase/closest.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -47,17 +49,8 @@ TriangleD middle(const MovingTriangle& t) { return {t.corner(0, 0.5), t.corner(1
 
 /// From a closest point of segment p0 p1 to one of segment q0 q1, up to rounding.
 Vector closest_difference(const Vector& p0, const Vector& p1, const Vector& q0, const Vector& q1) {
-  const Vector u = p1 - p0, v = q1 - q0, w = p0 - q0;
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
-  const double determinant = uu * vv - uv * uv;
-  const auto ratio = [](double numerator, double denominator) {
-    return denominator > 0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0.0;
-  };
-  // Closest points of the lines, clamped to the first segment, then to the
-  // second; the first follows the second once more.
-  double s = ratio(uv * vw - vv * uw, determinant);
-  const double t = ratio(uv * s + vw, vv);
-  s = ratio(uv * t - uw, uu);
+  const Vector u = p1 - p0, v = q1 - q0;
+  const auto [s, t] = closest_places(u, v, p0 - q0);
   return (q0 + t * v) - (p0 + s * u);
 }
 

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <encage/distance.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "broadphase/containment.h"
+#include "broadphase/resting_pair.h"
+#include "broadphase/surface_distance.h"
+
+namespace encage {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Balls around the local origins hold the bodies, unknown interiors included.
+double ball_bound(const Shape& a, const Shape& b, const RestingPair& pair, double error) {
+  const double reach = (a.outer().radius + b.outer().radius) * (1 + 1e-8);
+  return std::max(0.0, pair.b.offset.norm() - reach - error);
+}
+
+/// Of two bodies whose surfaces are apart, whether one may hold a part of the other.
+class Containment {
+ public:
+  Containment(const Shape& a, const Shape& b, const RestingPair& pair) : a_(a), b_(b), pair_(pair) {}
+
+  /// In an unknown interior.
+  bool possible(bool open_a, bool open_b) const {
+    const std::array<AffineMap, 2> maps_a = {pair_.a, pair_.a}, maps_b = {pair_.b, pair_.b};
+    return (open_a && could_hold(a_, maps_a, b_, maps_b, pair_.located())) ||
+           (open_b && could_hold(b_, maps_b, a_, maps_a, pair_.located()));
+  }
+
+  bool excluded(const Surface& surface_a, const Surface& surface_b) const {
+    return all_outside(surface_a, surface_b, pair_.b_to_a()) && all_outside(surface_b, surface_a, pair_.a_to_b());
+  }
+
+ private:
+  const Shape& a_;
+  const Shape& b_;
+  const RestingPair& pair_;
+};
+
+double fine_error(const Shape& a, const Shape& b) {
+  // A pose stretches it by less than 1e-9.
+  return (1 + 1e-8) * (a.outer_error() + b.outer_error());
+}
+
+double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const CageDistanceOptions& options) {
+  double bound = ball_bound(a, b, pair, fine_error(a, b) + pair.error);
+  if (a.cages.empty() || b.cages.empty()) return bound;
+  const Containment containment(a, b, pair);
+  if (bound >= options.enough || containment.possible(a.solid == Solid::surface_only, b.solid == Solid::surface_only)) {
+    return bound;
+  }
+  const int count_a = level_count(a), count_b = level_count(b);
+  const int last = std::max(count_a, count_b) - 1;
+  for (int k = std::min(options.coarsest_cage, last); k >= std::clamp(options.finest_cage, 0, last); --k) {
+    const Surface& cage_a = a.cages[std::min(k, count_a - 1)];
+    const Surface& cage_b = b.cages[std::min(k, count_b - 1)];
+    const SurfaceDistance found =
+        surface_distance(cage_a, cage_b, pair, {.limit = options.enough, .tolerance = options.tolerance});
+    // Farther apart than a point may be off that is located.
+    if (found.lower > std::max(bound, pair.located()) && containment.excluded(cage_a, cage_b)) bound = found.lower;
+    if (bound >= options.enough) break;
+  }
+  return bound;
+}
+
+/// The vertex that stands for a part of `guest` in `host`'s solid, or -1.
+std::int32_t held_vertex(const Surface& host, const Surface& guest, const PairFrame& frame, bool& unknown) {
+  for (const MeshPart& part : guest.parts) {
+    const Side side = locate(host, frame.map(guest.vertex(part.vertex)));
+    if (side == Side::inside) return part.vertex;
+    unknown = unknown || side == Side::unknown;
+  }
+  return -1;
+}
+
+std::int32_t triangle_of(const Surface& surface, std::int32_t vertex) {
+  const auto& triangles = surface.mesh.triangles;
+  const auto found = std::find_if(triangles.begin(), triangles.end(), [&](const auto& t) {
+    return std::find(t.begin(), t.end(), static_cast<std::uint32_t>(vertex)) != t.end();
+  });
+  return static_cast<std::int32_t>(found - triangles.begin());
+}
+
+/// Of bodies whose surfaces are farther apart than points may be off: is a part of one inside the other?
+void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, DistanceResult& result) {
+  const bool open_a = a.solid == Solid::surface_only || !a.fine.closed;
+  const bool open_b = b.solid == Solid::surface_only || !b.fine.closed;
+  bool unknown = Containment(a, b, pair).possible(open_a, open_b);
+  const std::int32_t of_b = open_a ? -1 : held_vertex(a.fine, b.fine, pair.b_to_a(), unknown);
+  const std::int32_t of_a = open_b || of_b >= 0 ? -1 : held_vertex(b.fine, a.fine, pair.a_to_b(), unknown);
+  if (of_a >= 0 || of_b >= 0) {
+    const Eigen::Vector3d point = of_a >= 0 ? pair.a(a.fine.vertex(of_a)) : pair.b(b.fine.vertex(of_b));
+    result = {0, 0, point, point, -1, -1};
+    if (of_a >= 0) result.triangle_a = triangle_of(a.fine, of_a);
+    if (of_b >= 0) result.triangle_b = triangle_of(b.fine, of_b);
+  } else if (unknown) {
+    result.lower = 0;
+  }
+}
+
+}  // namespace
+
+double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                           const CageDistanceOptions& options) noexcept {
+  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.enough > 0) || !(options.tolerance >= 0)) return 0;
+  return std::min(options.enough, cage_bound(a, b, RestingPair(a, motion_a, b, motion_b), options));
+}
+
+DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                        const DistanceOptions& options) noexcept {
+  DistanceResult result;
+  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.limit > 0) || !(options.tolerance >= 0)) return result;
+  const RestingPair pair(a, motion_a, b, motion_b);
+  if (a.fine.empty() || b.fine.empty()) {
+    const CageDistanceOptions finest{.enough = options.limit, .tolerance = options.tolerance, .finest_cage = 0};
+    result.lower = std::min(options.limit, cage_bound(a, b, pair, finest));
+    return result;
+  }
+  const double slack = fine_error(a, b);
+  result.lower = std::min(options.limit, ball_bound(a, b, pair, slack + pair.error));
+  if (result.lower >= options.limit) return result;
+  const SurfaceDistance found = surface_distance(
+      a.fine, b.fine, pair,
+      {.limit = options.limit + slack, .tolerance = options.tolerance, .fine_error = slack, .hint = options.hint});
+  result = {std::max(0.0, found.lower - slack),
+            found.crossing ? 0 : found.upper + slack,
+            found.point_a,
+            found.point_b,
+            found.triangle_a,
+            found.triangle_b};
+  if (found.lower > pair.located() + slack) look_inside(a, b, pair, result);
+  result.point_a += pair.origin;
+  result.point_b += pair.origin;
+  return result;
+}
+
+}  // namespace encage
