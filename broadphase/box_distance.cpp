@@ -19,61 +19,96 @@ using Lanes = hn::CappedTag<double, WideNode::width>;
 using Ints = hn::Rebind<std::int32_t, Lanes>;
 using Vec = hn::Vec<Lanes>;
 
-/// What a box of the other tree covers of the axes, and along the normal of its slab.
-struct Covered {
-  std::array<double, BoxDistance::Side::axes> low, high;
-  std::array<double, 3> normal;  ///< in the opened body's frame
-  double slab_low, slab_high;
-  double scale;  ///< makes distances of heights along the slab's normal distances; 0 without a slab
+/// A box of a tree and the slab in it, in places of its grid.
+struct Box {
+  std::array<double, 3> centre, half;
+  std::array<double, 3> normal = {};
+  double height = 0, thickness = 0;  ///< of the slab's middle, half of it
 
-  Covered(const BoxDistance::Side& side, const WideNode& node, std::uint32_t lane) {
-    std::array<double, 3> centre, half;
+  Box(const WideNode& node, std::uint32_t lane) {
     for (int i = 0; i < 3; ++i) {
-      const double lower = node.lower[i][lane], upper = node.upper[i][lane];
-      centre[i] = 0.5 * (lower + upper);
-      half[i] = 0.5 * (upper - lower);
+      set_extent(i, node.lower[i][lane], node.upper[i][lane]);
+      normal[i] = node.normal[i][lane];
     }
-    set_box(side, centre, half);
-    double squared = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double component = node.normal[i][lane];
-      squared += component * component;
-      normal[i] = 0;
-      for (int k = 0; k < 3; ++k) normal[i] += side.turned[k][i] * static_cast<double>(node.normal[k][lane]);
-    }
-    scale = squared > 0 ? 1 / std::sqrt(squared) : 0;
-    const double middle = normal[0] * side.offset[0] + normal[1] * side.offset[1] + normal[2] * side.offset[2];
-    const double slab_unit = side.ratio * WideNode::slab_unit;
-    slab_low = middle + slab_unit * node.slab_lower[lane];
-    slab_high = middle + slab_unit * node.slab_upper[lane];
+    const double low = node.slab_lower[lane], high = node.slab_upper[lane];
+    height = 0.5 * WideNode::slab_unit * (low + high);
+    thickness = 0.5 * WideNode::slab_unit * (high - low);
   }
 
-  /// Of all boxes of a node.
-  Covered(const BoxDistance::Side& side, const WideNode& node) : normal{}, slab_low(0), slab_high(0), scale(0) {
-    std::array<double, 3> centre, half;
+  /// Around all boxes of a node; without a slab.
+  explicit Box(const WideNode& node) {
     for (int i = 0; i < 3; ++i) {
       std::int16_t lower = node.lower[i][0], upper = node.upper[i][0];
       for (int lane = 1; lane < WideNode::width; ++lane) {  // what is unused is empty
         lower = std::min(lower, node.lower[i][lane]);
         upper = std::max(upper, node.upper[i][lane]);
       }
-      centre[i] = 0.5 * (static_cast<double>(lower) + static_cast<double>(upper));
-      half[i] = 0.5 * (static_cast<double>(upper) - static_cast<double>(lower));
+      set_extent(i, lower, upper);
     }
-    set_box(side, centre, half);
   }
 
  private:
-  void set_box(const BoxDistance::Side& side, const std::array<double, 3>& centre, const std::array<double, 3>& half) {
+  void set_extent(int i, double lower, double upper) {
+    centre[i] = 0.5 * (lower + upper);
+    half[i] = 0.5 * (upper - lower);
+  }
+};
+
+using Vec3 = std::array<double, 3>;
+
+HWY_INLINE double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Of a slab's normal, the inverse of its squared length, or nearly: what it is used for works with any number.
+constexpr double normal_weight = 1.0 / (WideNode::normal_size * WideNode::normal_size);
+
+/// An axis in the opened body's frame, and what a box of the other one covers of it.
+struct Axis {
+  Vec3 direction;
+  double low, high;
+  double scale;  ///< 1 / length, or 0
+};
+
+/// What a box of the other tree covers of axes.
+struct Covered {
+  std::array<double, BoxDistance::Side::axes> low, high;
+  Axis slab;    ///< along the normal of its slab
+  Axis middle;  ///< towards `target`, in places of the opened tree
+
+  Covered(const BoxDistance::Side& side, const Box& box, const Vec3& target) {
     for (int k = 0; k < BoxDistance::Side::axes; ++k) {
-      double middle = side.other_offset[k], reach = 0;
+      double centre = side.other_offset[k], reach = 0;
       for (int i = 0; i < 3; ++i) {
-        middle += side.other[i][k] * centre[i];
-        reach += side.other_size[i][k] * half[i];
+        centre += side.other[i][k] * box.centre[i];
+        reach += side.other_size[i][k] * box.half[i];
       }
-      low[k] = middle - reach;
-      high[k] = middle + reach;
+      low[k] = centre - reach;
+      high[k] = centre + reach;
     }
+    for (int i = 0; i < 3; ++i) {
+      slab.direction[i] =
+          side.turned[0][i] * box.normal[0] + side.turned[1][i] * box.normal[1] + side.turned[2][i] * box.normal[2];
+      middle.direction[i] = target[i] - 0.5 * (low[i] + high[i]);
+    }
+    cover(slab, dot(slab.direction, side.offset) + side.ratio * box.height, side.ratio * box.thickness);
+    // As the other body sees it: a part along its slab's normal, and the remainder, along which the box counts.
+    const Vec3 seen = {dot(side.turned[0], middle.direction), dot(side.turned[1], middle.direction),
+                       dot(side.turned[2], middle.direction)};
+    const double part = dot(box.normal, seen) * normal_weight;
+    double centre = part * box.height, reach = std::abs(part) * box.thickness;
+    for (int i = 0; i < 3; ++i) {
+      const double rest = seen[i] - part * box.normal[i];
+      centre += rest * box.centre[i];
+      reach += std::abs(rest) * box.half[i];
+    }
+    cover(middle, dot(middle.direction, side.offset) + side.ratio * centre, side.ratio * reach);
+  }
+
+ private:
+  static void cover(Axis& axis, double centre, double reach) {
+    axis.low = centre - reach;
+    axis.high = centre + reach;
+    const double squared = dot(axis.direction, axis.direction);
+    axis.scale = squared > 0 ? 1 / std::sqrt(squared) : 0;
   }
 };
 
@@ -113,21 +148,20 @@ struct Boxes {
   }
 };
 
-/// Gap along the normal of the other box' slab; of a box, what its own slab leaves of it.
-HWY_INLINE Vec slab_gap(const Boxes& boxes, const Covered& box) {
+/// Along any axis; of a box, what its own slab leaves of it.
+HWY_INLINE Vec gap_along(const Boxes& boxes, const Axis& axis) {
   const Lanes d;
-  constexpr double weight = 1.0 / (WideNode::normal_size * WideNode::normal_size);
-  const auto part = hn::Mul(dot(boxes.normal, box.normal.data()), hn::Set(d, weight));
+  const auto part = hn::Mul(dot(boxes.normal, axis.direction.data()), hn::Set(d, normal_weight));
   const auto half = hn::Mul(part, hn::Set(d, 0.5 * WideNode::slab_unit));
   auto centre = hn::Mul(half, hn::Add(boxes.slab_lower, boxes.slab_upper));
   auto reach = hn::Mul(hn::Abs(half), hn::Sub(boxes.slab_upper, boxes.slab_lower));
   for (int i = 0; i < 3; ++i) {
-    const auto rest = hn::Mul(hn::Set(d, 0.5), hn::Sub(hn::Set(d, box.normal[i]), hn::Mul(part, boxes.normal[i])));
+    const auto rest = hn::Mul(hn::Set(d, 0.5), hn::Sub(hn::Set(d, axis.direction[i]), hn::Mul(part, boxes.normal[i])));
     centre = hn::Add(centre, hn::Mul(rest, boxes.sum[i]));
     reach = hn::Add(reach, hn::Mul(hn::Abs(rest), boxes.extent[i]));
   }
-  const auto gap = gap_between(hn::Sub(centre, reach), hn::Add(centre, reach), box.slab_low, box.slab_high);
-  return hn::Mul(gap, hn::Set(d, box.scale));
+  return hn::Mul(gap_between(hn::Sub(centre, reach), hn::Add(centre, reach), axis.low, axis.high),
+                 hn::Set(d, axis.scale));
 }
 
 /// Lower bounds of distances in places, where they are positive; elsewhere some measure of how much boxes overlap.
@@ -152,7 +186,7 @@ HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, cons
                     box.high[3 + k]),
         squared_other);
   }
-  widest = hn::Max(widest, slab_gap(boxes, box));
+  widest = hn::Max(widest, hn::Max(gap_along(boxes, box.slab), gap_along(boxes, box.middle)));
   squared = hn::Max(squared, squared_other);
   return hn::IfThenElse(hn::Gt(squared, hn::Zero(d)), hn::Max(widest, hn::Sqrt(squared)), widest);
 }
@@ -166,7 +200,7 @@ class Traversal {
   void run(VisitNearLeaves visit, void* context) {
     // The whole of b against the boxes of a's root; b's root is opened next.
     constexpr Ref root_a{0, 0, 0}, root_b{0, 0, std::numeric_limits<float>::infinity()};
-    open(0, {{root_a, root_b}, 0}, Covered(*sides_[0], trees_[1]->nodes[0]));
+    open(0, {{root_a, root_b}, 0}, Covered(*sides_[0], Box(trees_[1]->nodes[0]), Box(trees_[0]->nodes[0]).centre));
     while (size_ > 0) {
       const Entry entry = stack_[--size_];
       if (!(entry.bound < limit_)) continue;
@@ -177,10 +211,8 @@ class Traversal {
         continue;
       }
       const bool opens_b = count_a > 0 || (count_b == 0 && b.size > a.size);
-      const Ref& other = entry.refs[opens_b ? 0 : 1];
-      open(opens_b ? 1 : 0, entry,
-           Covered(*sides_[opens_b ? 1 : 0], trees_[opens_b ? 0 : 1]->nodes[other.slot / WideNode::width],
-                   other.slot % WideNode::width));
+      const std::size_t opened = opens_b ? 1 : 0;
+      open(opened, entry, Covered(*sides_[opened], box(1 - opened, entry), box(opened, entry).centre));
     }
   }
 
@@ -195,6 +227,11 @@ class Traversal {
     double bound;
   };
   static constexpr std::size_t stack_size = WideNode::width * (2 * WideTree::max_depth + 4);
+
+  Box box(std::size_t tree, const Entry& entry) const {
+    const std::uint32_t slot = entry.refs[tree].slot;
+    return {trees_[tree]->nodes[slot / WideNode::width], slot % WideNode::width};
+  }
 
   /// Holds the boxes of a node of tree `opened` against a box of the other one.
   void open(std::size_t opened, const Entry& entry, const Covered& box) {
