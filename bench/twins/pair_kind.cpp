@@ -51,6 +51,8 @@ const std::vector<KindEntry>& all_kinds() {
       {"vertex-face", 10, vertex_faces},
       {"edge-edge", 10, edge_edges},
       {"points", 4, points},
+      {"distance", 4, body_distances},
+      {"triangle-distance", 10, triangle_distances},
   };
   return kinds;
 }

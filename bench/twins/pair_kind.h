@@ -52,18 +52,20 @@ class PairKind {
 /// Asks about pair `number` of a seed; `salt` tells kinds apart.
 Outcome ask_pair(const PairKind& kind, std::uint64_t salt, std::uint64_t seed, std::int64_t number);
 
-std::unique_ptr<PairKind> resting_pairs();     ///< separated() at rest
-std::unique_ptr<PairKind> moving_pairs();      ///< separated() during a step
-std::unique_ptr<PairKind> world_pairs();       ///< World::find_candidates()
-std::unique_ptr<PairKind> candidate_pairs();   ///< for_each_candidate(), at rest and during a step
-std::unique_ptr<PairKind> contact_pairs();     ///< first_contact()
-std::unique_ptr<PairKind> plane_pairs();       ///< separated() and first_contact() of a half-space
-std::unique_ptr<PairKind> gate_pairs();        ///< BoxGate
-std::unique_ptr<PairKind> triangle_pairs();    ///< triangles_apart()
-std::unique_ptr<PairKind> moving_triangles();  ///< moving_triangles_apart(), lanes_not_apart()
-std::unique_ptr<PairKind> vertex_faces();      ///< vertex_face_time()
-std::unique_ptr<PairKind> edge_edges();        ///< edge_edge_time()
-std::unique_ptr<PairKind> points();            ///< locate(): point in solid
+std::unique_ptr<PairKind> resting_pairs();       ///< separated() at rest
+std::unique_ptr<PairKind> moving_pairs();        ///< separated() during a step
+std::unique_ptr<PairKind> world_pairs();         ///< World::find_candidates()
+std::unique_ptr<PairKind> candidate_pairs();     ///< for_each_candidate(), at rest and during a step
+std::unique_ptr<PairKind> contact_pairs();       ///< first_contact()
+std::unique_ptr<PairKind> plane_pairs();         ///< separated() and first_contact() of a half-space
+std::unique_ptr<PairKind> gate_pairs();          ///< BoxGate
+std::unique_ptr<PairKind> triangle_pairs();      ///< triangles_apart()
+std::unique_ptr<PairKind> moving_triangles();    ///< moving_triangles_apart(), lanes_not_apart()
+std::unique_ptr<PairKind> vertex_faces();        ///< vertex_face_time()
+std::unique_ptr<PairKind> edge_edges();          ///< edge_edge_time()
+std::unique_ptr<PairKind> points();              ///< locate(): point in solid
+std::unique_ptr<PairKind> body_distances();      ///< distance(), cage_distance_bound()
+std::unique_ptr<PairKind> triangle_distances();  ///< triangle_distance()
 
 /// A kind and its share of the pairs.
 struct KindEntry {

@@ -70,6 +70,8 @@ class RestingTruth {
   /// Triangles i of a and j of b are no farther apart than the margin.
   bool triangles_near(std::int64_t i, std::int64_t j) const;
   bool surfaces_near(double distance) const;
+  /// One holds a part of the other; of bodies whose surfaces do not meet.
+  bool held() const;
 
  private:
   struct Data;

@@ -35,14 +35,14 @@ RestingTruth::~RestingTruth() = default;
 
 bool RestingTruth::surfaces_near(double distance) const { return surfaces_meet(data_->a, data_->b, distance); }
 
-bool RestingTruth::within_margin() const {
-  return surfaces_near(data_->scene.margin) || contained(data_->scene, data_->a, data_->b);
-}
+bool RestingTruth::held() const { return contained(data_->scene, data_->a, data_->b); }
+
+bool RestingTruth::within_margin() const { return surfaces_near(data_->scene.margin) || held(); }
 
 Truth RestingTruth::truth() const {
   if (!within_margin()) return Truth::apart;
   if (data_->scene.margin == 0) return Truth::touching;
-  return surfaces_near(0) || contained(data_->scene, data_->a, data_->b) ? Truth::touching : Truth::within_margin;
+  return surfaces_near(0) || held() ? Truth::touching : Truth::within_margin;
 }
 
 bool RestingTruth::farther(double more) const { return !surfaces_near(data_->scene.margin + more); }

@@ -15,7 +15,7 @@ struct CageDistanceOptions {
   /// World units: the bound is not followed beyond this. Small values make the query cheap.
   double enough = std::numeric_limits<double>::infinity();
   /// >= 0: the distance of the cages may be underestimated by this part of it, which saves time.
-  double tolerance = 0;
+  double tolerance = 0.01;
   /// Cages are asked from coarse to fine until the bound is `enough`; by default only the coarsest, which is the
   /// quickest and the loosest.
   int finest_cage = std::numeric_limits<int>::max();
