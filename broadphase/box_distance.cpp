@@ -299,17 +299,19 @@ struct Stretch {
 
 Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// How far TreeGrid::at(), in float, is off the place that it stands for.
-double rounding(const TreeGrid& grid) {
-  return 0x1p-24 * (4 * 32768 * static_cast<double>(grid.step) + as_vector(grid.middle).norm());
+/// How far TreeGrid::at(), in float, is off the place that it stands for; at the size of the body.
+double rounding(const GateBody& body) {
+  return 0x1p-24 * body.scale * (4 * 32768 * static_cast<double>(body.grid.step) + as_vector(body.grid.middle).norm());
 }
 
 BoxDistance::Side make_side(const AffineMap& map, const GateBody& body, const AffineMap& other_map,
                             const GateBody& other, double error) {
   BoxDistance::Side side{};
   // Local coordinates are middle + step * place.
-  const double step = body.grid.step, other_step = other.grid.step;
-  const Vector middle = as_vector(body.grid.middle), other_middle = as_vector(other.grid.middle);
+  const double step = body.scale * static_cast<double>(body.grid.step);
+  const double other_step = other.scale * static_cast<double>(other.grid.step);
+  const Vector middle = body.scale * as_vector(body.grid.middle);
+  const Vector other_middle = other.scale * as_vector(other.grid.middle);
   const Matrix inverse = map.linear.inverse();
   const AffineMap relative = {inverse * other_map.linear, inverse * (other_map.offset - map.offset)};
   const Stretch own(map.linear), both(relative.linear);
@@ -330,11 +332,10 @@ BoxDistance::Side make_side(const AffineMap& map, const GateBody& body, const Af
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < BoxDistance::Side::axes; ++k) side.other_size[i][k] = std::abs(side.other[i][k]);
   }
-  const double other_size = both.factor * (other.radius + other_middle.norm());
-  const double size = body.radius + middle.norm() + other_size + relative.offset.norm();
-  side.error = (0x1p-44 * size + 4 * both.departure * other_size + rounding(body.grid) +
-                2 * both.factor * rounding(other.grid)) /
-               step;
+  const double other_size = both.factor * (other.scale * other.radius + other_middle.norm());
+  const double size = body.scale * body.radius + middle.norm() + other_size + relative.offset.norm();
+  side.error =
+      (0x1p-44 * size + 4 * both.departure * other_size + rounding(body) + 2 * both.factor * rounding(other)) / step;
   side.unit = step * own.factor * (1 - own.departure - 3 * both.departure - 0x1p-44);
   side.world_error = error;
   // Squares of places must stay finite and above what underflows.

@@ -15,7 +15,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Balls around the local origins hold the bodies, unknown interiors included.
 double ball_bound(const Shape& a, const Shape& b, const RestingPair& pair, double error) {
-  const double reach = (a.outer().radius + b.outer().radius) * (1 + 1e-8);
+  const double reach = (pair.scale_a * a.outer().radius + pair.scale_b * b.outer().radius) * (1 + 1e-8);
   return std::max(0.0, pair.b.offset.norm() - reach - error);
 }
 
@@ -27,11 +27,11 @@ class Containment {
   /// In an unknown interior.
   bool possible(bool open_a, bool open_b) const {
     const std::array<AffineMap, 2> maps_a = {pair_.a, pair_.a}, maps_b = {pair_.b, pair_.b};
-    return (open_a && could_hold(a_, maps_a, b_, maps_b, pair_.located())) ||
-           (open_b && could_hold(b_, maps_b, a_, maps_a, pair_.located()));
+    return (open_a && could_hold(a_, pair_.scale_a, maps_a, b_, pair_.scale_b, maps_b, pair_.located())) ||
+           (open_b && could_hold(b_, pair_.scale_b, maps_b, a_, pair_.scale_a, maps_a, pair_.located()));
   }
 
-  bool excluded(const Surface& surface_a, const Surface& surface_b) const {
+  bool excluded(const ScaledSurface& surface_a, const ScaledSurface& surface_b) const {
     return all_outside(surface_a, surface_b, pair_.b_to_a()) && all_outside(surface_b, surface_a, pair_.a_to_b());
   }
 
@@ -41,13 +41,13 @@ class Containment {
   const RestingPair& pair_;
 };
 
-double fine_error(const Shape& a, const Shape& b) {
+double fine_error(const Shape& a, const Shape& b, const RestingPair& pair) {
   // A pose stretches it by less than 1e-9.
-  return (1 + 1e-8) * (a.outer_error() + b.outer_error());
+  return (1 + 1e-8) * (pair.scale_a * a.outer_error() + pair.scale_b * b.outer_error());
 }
 
 double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const CageDistanceOptions& options) {
-  double bound = ball_bound(a, b, pair, fine_error(a, b) + pair.error);
+  double bound = ball_bound(a, b, pair, fine_error(a, b, pair) + pair.error);
   if (a.cages.empty() || b.cages.empty()) return bound;
   const Containment containment(a, b, pair);
   if (bound >= options.enough || containment.possible(a.solid == Solid::surface_only, b.solid == Solid::surface_only)) {
@@ -56,8 +56,8 @@ double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const
   const int count_a = level_count(a), count_b = level_count(b);
   const int last = std::max(count_a, count_b) - 1;
   for (int k = std::min(options.coarsest_cage, last); k >= std::clamp(options.finest_cage, 0, last); --k) {
-    const Surface& cage_a = a.cages[std::min(k, count_a - 1)];
-    const Surface& cage_b = b.cages[std::min(k, count_b - 1)];
+    const ScaledSurface cage_a(a.cages[std::min(k, count_a - 1)], pair.scale_a);
+    const ScaledSurface cage_b(b.cages[std::min(k, count_b - 1)], pair.scale_b);
     const SurfaceDistance found =
         surface_distance(cage_a, cage_b, pair, {.limit = options.enough, .tolerance = options.tolerance});
     // Farther apart than a point may be off that is located.
@@ -68,9 +68,9 @@ double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const
 }
 
 /// The vertex that stands for a part of `guest` in `host`'s solid, or -1.
-std::int32_t held_vertex(const Surface& host, const Surface& guest, const PairFrame& frame, bool& unknown) {
-  for (const MeshPart& part : guest.parts) {
-    const Side side = locate(host, frame.map(guest.vertex(part.vertex)));
+std::int32_t held_vertex(const ScaledSurface& host, const ScaledSurface& guest, const PairFrame& frame, bool& unknown) {
+  for (const MeshPart& part : guest->parts) {
+    const Side side = locate(*host, frame.map(guest.vertex(part.vertex)) / host.scale());
     if (side == Side::inside) return part.vertex;
     unknown = unknown || side == Side::unknown;
   }
@@ -89,11 +89,12 @@ std::int32_t triangle_of(const Surface& surface, std::int32_t vertex) {
 void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, DistanceResult& result) {
   const bool open_a = a.solid == Solid::surface_only || !a.fine.closed;
   const bool open_b = b.solid == Solid::surface_only || !b.fine.closed;
+  const ScaledSurface fine_a(a.fine, pair.scale_a), fine_b(b.fine, pair.scale_b);
   bool unknown = Containment(a, b, pair).possible(open_a, open_b);
-  const std::int32_t of_b = open_a ? -1 : held_vertex(a.fine, b.fine, pair.b_to_a(), unknown);
-  const std::int32_t of_a = open_b || of_b >= 0 ? -1 : held_vertex(b.fine, a.fine, pair.a_to_b(), unknown);
+  const std::int32_t of_b = open_a ? -1 : held_vertex(fine_a, fine_b, pair.b_to_a(), unknown);
+  const std::int32_t of_a = open_b || of_b >= 0 ? -1 : held_vertex(fine_b, fine_a, pair.a_to_b(), unknown);
   if (of_a >= 0 || of_b >= 0) {
-    const Eigen::Vector3d point = of_a >= 0 ? pair.a(a.fine.vertex(of_a)) : pair.b(b.fine.vertex(of_b));
+    const Eigen::Vector3d point = of_a >= 0 ? pair.a(fine_a.vertex(of_a)) : pair.b(fine_b.vertex(of_b));
     result = {0, 0, point, point, -1, -1};
     if (of_a >= 0) result.triangle_a = triangle_of(a.fine, of_a);
     if (of_b >= 0) result.triangle_b = triangle_of(b.fine, of_b);
@@ -120,7 +121,7 @@ DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, 
     result.lower = std::min(options.limit, cage_bound(a, b, pair, finest));
     return result;
   }
-  const double slack = fine_error(a, b);
+  const double slack = fine_error(a, b, pair);
   result.lower = std::min(options.limit, ball_bound(a, b, pair, slack + pair.error));
   if (result.lower >= options.limit) return result;
   const SurfaceDistance found = surface_distance(
@@ -133,6 +134,7 @@ DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, 
             found.triangle_a,
             found.triangle_b};
   if (found.lower > pair.located() + slack) look_inside(a, b, pair, result);
+  if (result.lower >= options.limit) return {.lower = options.limit};
   result.point_a += pair.origin;
   result.point_b += pair.origin;
   return result;

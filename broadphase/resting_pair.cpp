@@ -14,15 +14,17 @@ PairFrame between(const AffineMap& host, const AffineMap& guest) {
 }  // namespace
 
 RestingPair::RestingPair(const Shape& shape_a, const Motion& motion_a, const Shape& shape_b,
-                         const Motion& motion_b) noexcept {
+                         const Motion& motion_b) noexcept
+    : scale_a(motion_a.scale), scale_b(motion_b.scale) {
   a.linear = motion_a.start.linear();
   b.linear = motion_b.start.linear();
-  const Eigen::Vector3d between_bodies = motion_b.start.translation() - motion_a.start.translation();
-  b.offset = between_bodies + (b.linear * shape_b.origin - a.linear * shape_a.origin);
-  origin = a.linear * shape_a.origin + motion_a.start.translation();
-  const double size = shape_a.radius + shape_a.origin.norm() + shape_b.radius + shape_b.origin.norm();
+  b.offset = origin_offset(shape_a, {motion_a.start, scale_a}, shape_b, {motion_b.start, scale_b});
+  origin = a.linear * (scale_a * shape_a.origin) + motion_a.start.translation();
+  const double size =
+      scale_a * (shape_a.radius + shape_a.origin.norm()) + scale_b * (shape_b.radius + shape_b.origin.norm());
+  const double between_bodies = (motion_b.start.translation() - motion_a.start.translation()).norm();
   // The constant keeps what underflows from looking nearer than it is.
-  error = 32 * std::numeric_limits<double>::epsilon() * (size + between_bodies.norm()) + 1e-140;
+  error = 32 * std::numeric_limits<double>::epsilon() * (size + between_bodies) + 1e-140;
 }
 
 PairFrame RestingPair::b_to_a() const noexcept { return between(a, b); }

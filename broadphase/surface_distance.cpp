@@ -12,7 +12,7 @@ namespace {
 
 class Search {
  public:
-  Search(const Surface& a, const Surface& b, const RestingPair& pair, const SurfaceDistanceOptions& options)
+  Search(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair, const SurfaceDistanceOptions& options)
       : a_(a), b_(b), pair_(pair), options_(options) {}
 
   SurfaceDistance run() {
@@ -20,9 +20,10 @@ class Search {
       look_at(corners(a_, pair_.a, options_.hint.a), corners(b_, pair_.b, options_.hint.b), options_.hint.a,
               options_.hint.b);
     }
-    const BoxDistance bounds(pair_.a, {a_.radius, a_.tree.grid}, pair_.b, {b_.radius, b_.tree.grid}, pair_.error);
+    const BoxDistance bounds(pair_.a, {a_->radius, a_->tree.grid, a_.scale()}, pair_.b,
+                             {b_->radius, b_->tree.grid, b_.scale()}, pair_.error);
     visit_near_leaves(
-        a_.tree, b_.tree, bounds, limit(),
+        a_->tree, b_->tree, bounds, limit(),
         [](void* search, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
           return static_cast<Search*>(search)->leaves(first_a, count_a, first_b, count_b);
         },
@@ -32,8 +33,8 @@ class Search {
   }
 
  private:
-  static bool in_range(const Surface& surface, std::int32_t triangle) {
-    return triangle >= 0 && static_cast<std::size_t>(triangle) < surface.mesh.triangles.size();
+  static bool in_range(const ScaledSurface& surface, std::int32_t triangle) {
+    return triangle >= 0 && static_cast<std::size_t>(triangle) < surface->mesh.triangles.size();
   }
 
   /// From which distance on nothing matters any more: minus infinity if bodies touch as far as rounding tells.
@@ -42,20 +43,20 @@ class Search {
     return std::min(options_.limit, best_.upper / (1 + options_.tolerance));
   }
 
-  static TriangleD corners(const Surface& surface, const AffineMap& map, std::int32_t triangle) {
+  static TriangleD corners(const ScaledSurface& surface, const AffineMap& map, std::int32_t triangle) {
     TriangleD t;
     for (int k = 0; k < 3; ++k) {
-      t[k] = map(surface.vertex(static_cast<std::int32_t>(surface.mesh.triangles[triangle][k])));
+      t[k] = map(surface.vertex(static_cast<std::int32_t>(surface->mesh.triangles[triangle][k])));
     }
     return t;
   }
 
-  static LeafLanes lanes(const Surface& surface, const AffineMap& map, std::int32_t first, std::int32_t count) {
+  static LeafLanes lanes(const ScaledSurface& surface, const AffineMap& map, std::int32_t first, std::int32_t count) {
     LeafLanes result;
     MovingTriangle triangle;
     for (std::int32_t i = 0; i < LeafLanes::width; ++i) {
       for (int k = 0; k < 3 && i < count; ++k) {
-        triangle.start[k] = map(surface.vertex(surface.tree.leaves[first + i].vertices[k]));
+        triangle.start[k] = map(surface.vertex(surface->tree.leaves[first + i].vertices[k]));
       }
       result.set(i, triangle, 1);
     }
@@ -89,15 +90,15 @@ class Search {
           if (left == 0) break;
         }
         const int j = __builtin_ctz(left);
-        look_at(lanes_a.triangle(i, 1).start, lanes_b.triangle(j, 1).start, a_.tree.leaves[first_a + i].triangle,
-                b_.tree.leaves[first_b + j].triangle);
+        look_at(lanes_a.triangle(i, 1).start, lanes_b.triangle(j, 1).start, a_->tree.leaves[first_a + i].triangle,
+                b_->tree.leaves[first_b + j].triangle);
       }
     }
     return limit();
   }
 
-  const Surface& a_;
-  const Surface& b_;
+  const ScaledSurface& a_;
+  const ScaledSurface& b_;
   const RestingPair& pair_;
   const SurfaceDistanceOptions& options_;
   double lower_ = std::numeric_limits<double>::infinity();  // of all pairs looked at
@@ -106,7 +107,7 @@ class Search {
 
 }  // namespace
 
-SurfaceDistance surface_distance(const Surface& a, const Surface& b, const RestingPair& pair,
+SurfaceDistance surface_distance(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
                                  const SurfaceDistanceOptions& options) noexcept {
   return Search(a, b, pair, options).run();
 }

@@ -27,7 +27,7 @@ struct SurfaceDistance {
 };
 
 /// Distance of two surfaces, interiors left out: rounding included.
-SurfaceDistance surface_distance(const Surface& a, const Surface& b, const RestingPair& pair,
+SurfaceDistance surface_distance(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
                                  const SurfaceDistanceOptions& options) noexcept;
 
 }  // namespace encage
