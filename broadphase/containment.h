@@ -8,6 +8,21 @@
 
 namespace encage {
 
+/// What a body is beside its surface.
+enum class Interior {
+  none,
+  enclosed,  ///< by the fine mesh, which is closed
+  unknown,
+};
+
+inline Interior interior(const Shape& shape) {
+  if (shape.hollow) return Interior::none;
+  return shape.solid == Solid::surface_only || !shape.fine.closed ? Interior::unknown : Interior::enclosed;
+}
+
+/// Of a body of which only cages are looked at.
+inline bool unknown_in_cage(const Shape& shape) { return shape.solid == Solid::surface_only && !shape.hollow; }
+
 enum class Side { outside, inside, unknown };
 
 /// A ray runs along +`axis` and drifts by `slope1`, `slope2` along the two axes that follow.

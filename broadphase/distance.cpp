@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "broadphase/compound.h"
 #include "broadphase/containment.h"
 #include "broadphase/resting_pair.h"
 #include "broadphase/surface_distance.h"
@@ -46,13 +47,12 @@ double fine_error(const Shape& a, const Shape& b, const RestingPair& pair) {
   return (1 + 1e-8) * (pair.scale_a * a.outer_error() + pair.scale_b * b.outer_error());
 }
 
+/// Of simple shapes.
 double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const CageDistanceOptions& options) {
   double bound = ball_bound(a, b, pair, fine_error(a, b, pair) + pair.error);
-  if (a.cages.empty() || b.cages.empty()) return bound;
+  if (a.cages.empty() || b.cages.empty() || bound >= options.enough) return bound;
   const Containment containment(a, b, pair);
-  if (bound >= options.enough || containment.possible(a.solid == Solid::surface_only, b.solid == Solid::surface_only)) {
-    return bound;
-  }
+  if (containment.possible(unknown_in_cage(a), unknown_in_cage(b))) return bound;
   const int count_a = level_count(a), count_b = level_count(b);
   const int last = std::max(count_a, count_b) - 1;
   for (int k = std::min(options.coarsest_cage, last); k >= std::clamp(options.finest_cage, 0, last); --k) {
@@ -87,12 +87,12 @@ std::int32_t triangle_of(const Surface& surface, std::int32_t vertex) {
 
 /// Of bodies whose surfaces are farther apart than points may be off: is a part of one inside the other?
 void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, DistanceResult& result) {
-  const bool open_a = a.solid == Solid::surface_only || !a.fine.closed;
-  const bool open_b = b.solid == Solid::surface_only || !b.fine.closed;
+  const Interior in_a = interior(a), in_b = interior(b);
   const ScaledSurface fine_a(a.fine, pair.scale_a), fine_b(b.fine, pair.scale_b);
-  bool unknown = Containment(a, b, pair).possible(open_a, open_b);
-  const std::int32_t of_b = open_a ? -1 : held_vertex(fine_a, fine_b, pair.b_to_a(), unknown);
-  const std::int32_t of_a = open_b || of_b >= 0 ? -1 : held_vertex(fine_b, fine_a, pair.a_to_b(), unknown);
+  bool unknown = Containment(a, b, pair).possible(in_a == Interior::unknown, in_b == Interior::unknown);
+  std::int32_t of_a = -1, of_b = -1;
+  if (in_a == Interior::enclosed) of_b = held_vertex(fine_a, fine_b, pair.b_to_a(), unknown);
+  if (in_b == Interior::enclosed && of_b < 0) of_a = held_vertex(fine_b, fine_a, pair.a_to_b(), unknown);
   if (of_a >= 0 || of_b >= 0) {
     const Eigen::Vector3d point = of_a >= 0 ? pair.a(fine_a.vertex(of_a)) : pair.b(fine_b.vertex(of_b));
     result = {0, 0, point, point, -1, -1};
@@ -103,41 +103,74 @@ void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, Distan
   }
 }
 
+/// Of simple shapes whose places are off by `moved` at most. Nothing that is not below the limit is said of points.
+DistanceResult simple_distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                               double moved, const DistanceOptions& options) {
+  const RestingPair pair(a, motion_a, b, motion_b);
+  if (a.fine.empty() || b.fine.empty()) {
+    const CageDistanceOptions finest{.enough = options.limit + moved, .tolerance = options.tolerance, .finest_cage = 0};
+    return {.lower = std::max(0.0, cage_bound(a, b, pair, finest) - moved)};
+  }
+  const double slack = fine_error(a, b, pair) + moved;
+  const double balls = ball_bound(a, b, pair, slack + pair.error);
+  if (balls >= options.limit) return {.lower = balls};
+  const SurfaceDistance found = surface_distance(
+      {a.fine, pair.scale_a}, {b.fine, pair.scale_b}, pair,
+      {.limit = options.limit + slack, .tolerance = options.tolerance, .vertex_error = slack, .hint = options.hint});
+  DistanceResult result{std::max(0.0, found.lower - slack),
+                        found.crossing ? 0 : found.upper + slack,
+                        found.point_a,
+                        found.point_b,
+                        found.triangle_a,
+                        found.triangle_b};
+  if (found.lower > pair.located() + slack) look_inside(a, b, pair, result);
+  result.point_a += pair.origin;
+  result.point_b += pair.origin;
+  return result;
+}
+
+Motion at_start(const Motion& motion) { return Motion::resting(motion.start, motion.scale); }
+
 }  // namespace
 
 double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                            const CageDistanceOptions& options) noexcept {
-  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.enough > 0) || !(options.tolerance >= 0)) return 0;
-  return std::min(options.enough, cage_bound(a, b, RestingPair(a, motion_a, b, motion_b), options));
+  const Motion at_a = at_start(motion_a), at_b = at_start(motion_b);
+  if (!is_usable(at_a) || !is_usable(at_b) || !(options.enough > 0) || !(options.tolerance >= 0)) return 0;
+  double bound = options.enough;
+  for_each_part_pair(a, at_a, b, at_b, options.enough, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    const double moved = part_a.slack + part_b.slack;
+    CageDistanceOptions asked = options;
+    asked.enough = bound + moved;
+    const RestingPair pair(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion);
+    bound = std::min(bound, std::max(0.0, cage_bound(*part_a.shape, *part_b.shape, pair, asked) - moved));
+    return bound > 0;
+  });
+  return bound;
 }
 
 DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                         const DistanceOptions& options) noexcept {
-  DistanceResult result;
-  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.limit > 0) || !(options.tolerance >= 0)) return result;
-  const RestingPair pair(a, motion_a, b, motion_b);
-  if (a.fine.empty() || b.fine.empty()) {
-    const CageDistanceOptions finest{.enough = options.limit, .tolerance = options.tolerance, .finest_cage = 0};
-    result.lower = std::min(options.limit, cage_bound(a, b, pair, finest));
-    return result;
-  }
-  const double slack = fine_error(a, b, pair);
-  result.lower = std::min(options.limit, ball_bound(a, b, pair, slack + pair.error));
-  if (result.lower >= options.limit) return result;
-  const SurfaceDistance found = surface_distance(
-      a.fine, b.fine, pair,
-      {.limit = options.limit + slack, .tolerance = options.tolerance, .fine_error = slack, .hint = options.hint});
-  result = {std::max(0.0, found.lower - slack),
-            found.crossing ? 0 : found.upper + slack,
-            found.point_a,
-            found.point_b,
-            found.triangle_a,
-            found.triangle_b};
-  if (found.lower > pair.located() + slack) look_inside(a, b, pair, result);
-  if (result.lower >= options.limit) return {.lower = options.limit};
-  result.point_a += pair.origin;
-  result.point_b += pair.origin;
-  return result;
+  const Motion at_a = at_start(motion_a), at_b = at_start(motion_b);
+  if (!is_usable(at_a) || !is_usable(at_b) || !(options.limit > 0) || !(options.tolerance >= 0)) return {};
+  DistanceResult nearest;
+  nearest.lower = options.limit;
+  for_each_part_pair(a, at_a, b, at_b, options.limit, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    DistanceOptions asked = options;
+    asked.limit = std::min(options.limit, nearest.upper);
+    // Out of range for all parts but one.
+    asked.hint = {options.hint.a - part_a.first_triangle, options.hint.b - part_b.first_triangle};
+    DistanceResult found =
+        simple_distance(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion, part_a.slack + part_b.slack, asked);
+    if (found.triangle_a >= 0) found.triangle_a += part_a.first_triangle;
+    if (found.triangle_b >= 0) found.triangle_b += part_b.first_triangle;
+    const double lower = std::min(nearest.lower, found.lower);
+    if (found.upper < nearest.upper) nearest = found;
+    nearest.lower = lower;
+    return nearest.upper > 0;
+  });
+  if (nearest.lower >= options.limit) return {.lower = options.limit};
+  return nearest;
 }
 
 }  // namespace encage

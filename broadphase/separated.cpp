@@ -41,8 +41,7 @@ class BodyPair {
 
   bool cages_apart(const Surface& of_a, const Surface& of_b) const {
     const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
-    const auto open = [](const Shape& shape) { return shape.solid == Solid::surface_only && !shape.hollow; };
-    return !hold(open(a_), open(b_)) && surfaces_apart(cage_a, cage_b, motion_, distance_) &&
+    return !hold(unknown_in_cage(a_), unknown_in_cage(b_)) && surfaces_apart(cage_a, cage_b, motion_, distance_) &&
            all_outside(cage_b, cage_a, a_to_b_) && all_outside(cage_a, cage_b, b_to_a_);
   }
 
@@ -56,15 +55,6 @@ class BodyPair {
   }
 
  private:
-  enum class Interior {
-    none,
-    enclosed,  // by the fine mesh, which is closed
-    unknown,
-  };
-  static Interior interior(const Shape& shape) {
-    if (shape.hollow) return Interior::none;
-    return shape.solid == Solid::surface_only || !shape.fine.closed ? Interior::unknown : Interior::enclosed;
-  }
   // Whether one may lie in the other's unknown interior.
   bool hold(bool open_a, bool open_b) const {
     return (open_a && could_hold(a_, scale_a_, motion_.a, b_, scale_b_, motion_.b, distance_)) ||

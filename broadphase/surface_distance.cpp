@@ -74,7 +74,7 @@ class Search {
       best_.triangle_b = j;
     }
     if (found.lower > 0) return;
-    best_.crossing = triangles_cross(ta, tb, pair_.error + options_.fine_error);
+    best_.crossing = triangles_cross(ta, tb, pair_.error + options_.vertex_error);
   }
 
   double leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {

@@ -13,7 +13,7 @@ namespace encage {
 struct SurfaceDistanceOptions {
   double limit = std::numeric_limits<double>::infinity();  ///< larger distances are not asked for
   double tolerance = 0;                                    ///< part of the distance by which bounds may differ
-  double fine_error = 0;      ///< how far vertices may be off the sources', only to prove that surfaces cross
+  double vertex_error = 0;    ///< how far vertices may be off, only to prove that surfaces cross
   TrianglePair hint{-1, -1};  ///< looked at first, if in range
 };
 
@@ -23,7 +23,7 @@ struct SurfaceDistance {
   double upper = std::numeric_limits<double>::infinity();
   Eigen::Vector3d point_a = Eigen::Vector3d::Zero(), point_b = Eigen::Vector3d::Zero();
   std::int32_t triangle_a = -1, triangle_b = -1;  ///< that have the points; -1: nothing below the limit
-  bool crossing = false;                          ///< proven to cross, even where vertices are off by `fine_error`
+  bool crossing = false;                          ///< proven to cross, even where vertices are off by `vertex_error`
 };
 
 /// Distance of two surfaces, interiors left out: rounding included.

@@ -25,7 +25,8 @@ struct CageDistanceOptions {
 /// Lower bound, in world units, of the distance of two bodies at the start of their motions: never larger than the
 /// distance, rounding included; at most `enough`. It is that of the cages, or of balls around the bodies if that is
 /// larger; 0 where bodies may touch or hold each other. With different numbers of levels, level k is paired as
-/// separated() does. 0 if a motion is not usable. Re-entrant; never throws, never allocates.
+/// separated() does. 0 if a start is not usable. Of compounds all parts are asked about. Re-entrant; never throws,
+/// never allocates.
 double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                            const CageDistanceOptions& options = {}) noexcept;
 
@@ -56,8 +57,8 @@ struct DistanceResult {
 };
 
 /// Distance of two bodies at the start of their motions: of the solids of closed and capped bodies, of the surfaces of
-/// others. If one of them has no fine mesh, `lower` is that of their finest cages and `upper` infinite; if a motion is
-/// not usable, 0 and infinite. Re-entrant; never throws, never allocates.
+/// others. If one of them has no fine mesh, `lower` is that of their finest cages and `upper` infinite; if a start
+/// is not usable, 0 and infinite. Re-entrant; never throws, never allocates.
 DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                         const DistanceOptions& options = {}) noexcept;
 
