@@ -2,31 +2,16 @@
 #include "bench/replay/fcl_engine.h"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
-#include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
+#include "bench/replay/fcl_model.h"
+
 namespace encage::replay {
 namespace {
-
-template <class Volume>
-std::shared_ptr<fcl::BVHModel<Volume>> make_model(const TriangleMesh& mesh) {
-  auto model = std::make_shared<fcl::BVHModel<Volume>>();
-  model->beginModel(static_cast<int>(mesh.triangles.rows()), static_cast<int>(mesh.vertices.rows()));
-  std::vector<fcl::Vector3<typename Volume::S>> vertices;
-  for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) vertices.push_back(mesh.vertex(v).cast<typename Volume::S>());
-  std::vector<fcl::Triangle> triangles;
-  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
-    const auto corner = [&](int k) { return static_cast<std::size_t>(mesh.triangles(t, k)); };
-    triangles.emplace_back(corner(0), corner(1), corner(2));
-  }
-  model->addSubModel(vertices, triangles);
-  model->endModel();
-  return model;
-}
 
 template <class Volume>
 class FclEngine : public Engine {
@@ -34,7 +19,8 @@ class FclEngine : public Engine {
   using Scalar = typename Volume::S;
   using Object = fcl::CollisionObject<Scalar>;
 
-  FclEngine(const TriangleMesh& mesh, std::string name) : name_(std::move(name)), model_(make_model<Volume>(mesh)) {}
+  FclEngine(const TriangleMesh& mesh, std::string name)
+      : name_(std::move(name)), model_(make_fcl_model<Volume>(mesh)) {}
 
   std::string name() const override { return name_; }
 

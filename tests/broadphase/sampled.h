@@ -97,7 +97,7 @@ inline std::vector<RealTriangle> at_time(const TriangleMesh& mesh, const Eigen::
   };
   std::vector<Point> vertices;
   for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) {
-    const Point x = origin.cast<Real>() + mesh.vertices.row(v).transpose().cast<Real>();
+    const Point x = Real(motion.scale) * (origin.cast<Real>() + mesh.vertices.row(v).transpose().cast<Real>());
     vertices.push_back((1 - t) * place(motion.start, x) + t * place(motion.end, x));
   }
   std::vector<RealTriangle> triangles;
