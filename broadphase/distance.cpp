@@ -123,7 +123,11 @@ DistanceResult simple_distance(const Shape& a, const Motion& motion_a, const Sha
                         found.point_b,
                         found.triangle_a,
                         found.triangle_b};
-  if (found.lower > pair.located() + slack) look_inside(a, b, pair, result);
+  if (found.lower > pair.located() + slack) {
+    look_inside(a, b, pair, result);
+  } else {
+    result.lower = 0;  // so near that nobody can say what is inside
+  }
   result.point_a += pair.origin;
   result.point_b += pair.origin;
   return result;
