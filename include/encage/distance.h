@@ -4,12 +4,13 @@
 // Run time: how far apart are two bodies? Certified bounds, from cages or from the fine meshes.
 
 #include <encage/broadphase.h>
+#include <encage/export.h>
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 struct CageDistanceOptions {
   /// World units: the bound is not followed beyond this. Small values make the query cheap.

@@ -18,6 +18,7 @@
 #include <encage/broadphase.h>
 #include <encage/distance.h>
 #include <encage/error.h>
+#include <encage/export.h>
 
 #include <fcl/broadphase/broadphase_collision_manager.h>
 #include <fcl/narrowphase/collision_object.h>
@@ -27,7 +28,7 @@
 #include <optional>
 #include <unordered_map>
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Which geometries of FCL are bodies of which shapes. In double: poses in float are farther from rigid than Encage
 /// takes. User data of objects and geometries stay the user's. Queries may share it in any number of threads as long as
