@@ -5,6 +5,7 @@
 #include "broadphase/world_state.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace encage {
 namespace {
@@ -175,6 +176,19 @@ void World::State::note_collected() noexcept {
     }
   }
   has_stale_pairs_ = has_outdated_planes_ = false;
+}
+
+/// What is left out is looked at once, as if all had changed.
+void World::State::stir_sleepers() noexcept {
+  searched_at_ = 0;
+  left_out_margin_ = std::numeric_limits<double>::infinity();
+  for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
+    // Pairs of static bodies are found by the other one.
+    if (!body_ids_.is_used(n) || bodies_[n].awake || bodies_[n].options.kind == BodyKind::static_) continue;
+    tree_.touch(bodies_[n].leaf);
+    outdated_[n] |= outdated;
+    has_stirred_ = true;
+  }
 }
 
 void World::State::collect(double margin) {

@@ -275,6 +275,7 @@ class World::State::Search {
   void finish() noexcept {
     if (!options_.accept) state_.complete_at_ = now_;
     state_.searched_at_ = now_;
+    state_.left_out_margin_ = std::min(state_.left_out_margin_, margin_);
     state_.has_stale_pairs_ = state_.has_stirred_;
     state_.has_stirred_ = false;
   }
@@ -297,6 +298,7 @@ CandidateStatistics World::State::search(const CandidateOptions& options, void (
   if (const int threads = options.executor.threads; threads < 1) {
     throw Error("candidate options: the number of threads " + std::to_string(threads) + " is not positive");
   }
+  if (options.pair.margin > left_out_margin_) stir_sleepers();
   collect(options.pair.margin);
   if (!same(options.pair, last_options_)) {
     last_options_ = options.pair;

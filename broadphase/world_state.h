@@ -10,6 +10,7 @@
 #include <encage/world.h>
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -130,6 +131,7 @@ class World::State {
   void update(std::uint32_t body) noexcept;
 
   // Pairs whose tree boxes overlap.
+  void stir_sleepers() noexcept;
   void collect(double margin);
   void find_fresh_pairs(double margin);
   void find_fresh_half_spaces(std::uint32_t body, bool outdated_ones, double margin);
@@ -174,7 +176,9 @@ class World::State {
   std::uint64_t clock_ = 0;        // counts changes and searches
   std::uint64_t searched_at_ = 0;  // the last search that came to its end
   std::uint64_t complete_at_ = 0;  // the last one that left no pair unasked
-  bool has_stirred_ = false;       // something is active for having been changed only
+  // The least margin at which pairs have been left out.
+  double left_out_margin_ = std::numeric_limits<double>::infinity();
+  bool has_stirred_ = false;  // something is active for having been changed only
 
   std::vector<Pair> pairs_;  // all that are allowed and whose tree boxes overlap, by key
   SleepingPairs sleeping_;   // candidates that are left out

@@ -242,6 +242,22 @@ TEST_F(WorldSleep, LetsEveryChangeBeSearchedOnce) {
   EXPECT_EQ(told(world), "");
 }
 
+TEST_F(WorldSleep, IsInterruptedByALargerMargin) {
+  const auto told_at = [&](double margin) { return told(world, {.pair = {.margin = margin}}); };
+  world.add_body(box, shift(3.3), {.kind = BodyKind::static_});
+  world.add_half_space({Vector::UnitZ(), -1.2});
+  EXPECT_EQ(told(world), "0~1+");
+  world.set_awake(a, false);
+  world.set_awake(b, false);
+  EXPECT_EQ(told(world), "");
+  EXPECT_EQ(told_at(0.5), "0~1= 0|0+ 1~2+ 1|0+");
+  EXPECT_EQ(told_at(0.5), "");
+  EXPECT_EQ(told(world), "");
+  EXPECT_EQ(told_at(0.1), "0~1= 0|0- 1~2- 1|0-");
+  EXPECT_EQ(told_at(0.1), "");
+  EXPECT_EQ(told_at(0.05), "");
+}
+
 TEST_F(WorldSleep, IsTheCallersForKinematicBodies) {
   const BodyId lift = world.add_body(box, shift(0, 1), {.kind = BodyKind::kinematic});
   EXPECT_EQ(told(world), "0~1+ 0~2+ 1~2+");
