@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/box_tree.h"
 
-#include "broadphase/room.h"
-
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <limits>
 
 namespace encage {
 namespace {
@@ -22,21 +18,18 @@ float below(double x) {
 
 float above(double x) { return -below(-x); }
 
-/// Half the surface, finite for infinite boxes.
-double area(const FloatBox& box) {
-  constexpr double largest = FloatLimits::max();
-  std::array<double, 3> e;
-  for (int k = 0; k < 3; ++k) {
-    e[k] = std::clamp(static_cast<double>(box.upper[k]) - static_cast<double>(box.lower[k]), 0.0, largest);
-  }
-  return e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
-}
-
 double perimeter(const FloatBox& box) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) sum += static_cast<double>(box.upper[k]) - static_cast<double>(box.lower[k]);
   return sum;
 }
+
+template <class T>
+void make_room(std::vector<T>& v, std::size_t size) {
+  if (v.capacity() < size) v.reserve(std::max(size, v.capacity() + v.capacity() / 2));
+}
+
+std::size_t nodes_for(std::size_t lanes) { return (lanes + BoxLanes::width - 1) / BoxLanes::width; }
 
 }  // namespace
 
@@ -67,259 +60,286 @@ FloatBox FloatBox::enlarged(double margin) const noexcept {
   return result;
 }
 
+FloatBox BoxLanes::empty_box() noexcept {
+  FloatBox box;
+  box.lower.fill(FloatLimits::infinity());
+  box.upper.fill(-FloatLimits::infinity());
+  return box;
+}
+
+BoxLanes::BoxLanes() noexcept {
+  for (int lane = 0; lane < width; ++lane) clear(lane);
+}
+
+void BoxLanes::set(int lane, const FloatBox& box) noexcept {
+  for (int k = 0; k < 3; ++k) {
+    lower[k][lane] = box.lower[k];
+    upper[k][lane] = box.upper[k];
+  }
+}
+
+FloatBox BoxLanes::at(int lane) const noexcept {
+  FloatBox box;
+  for (int k = 0; k < 3; ++k) {
+    box.lower[k] = lower[k][lane];
+    box.upper[k] = upper[k][lane];
+  }
+  return box;
+}
+
+FloatBox BoxLanes::merged() const noexcept {
+  FloatBox result = empty_box();
+  for (int k = 0; k < 3; ++k) {
+    for (int lane = 0; lane < width; ++lane) {
+      result.lower[k] = std::min(result.lower[k], lower[k][lane]);
+      result.upper[k] = std::max(result.upper[k], upper[k][lane]);
+    }
+  }
+  return result;
+}
+
 // ---- Leaves --------------------------------------------------------------
 
 BoxTree::Leaf BoxTree::insert(const FloatBox& box, std::uint32_t item) {
   assert(size_ < std::numeric_limits<std::int32_t>::max() / 2);
-  make_room(moved_, static_cast<std::size_t>(size_) + 1);  // update() must not allocate
-  make_room(nodes_, nodes_.size() + 2);
-  const Leaf leaf = take_node();
-  nodes_[leaf].box = box;
-  nodes_[leaf].child[0] = static_cast<std::int32_t>(item);
-  link(leaf);
+  // Nothing else may allocate.
+  const std::size_t count = order_.size() + 1;
+  make_room(moved_, static_cast<std::size_t>(size_) + 1);
+  make_room(centres_, static_cast<std::size_t>(size_) + 1);
+  make_room(leaves_, leaves_.size() + 1);
+  make_room(order_, count);
+  make_room(moved_lanes_, nodes_for(count));
+  std::size_t nodes = nodes_for(count);
+  for (int k = 0; k < most_levels; ++k, nodes = nodes_for(nodes)) {
+    make_room(levels_[k], nodes);
+    make_room(dirty_[k], nodes);
+    if (nodes == 1) break;
+  }
+  Leaf leaf = free_;
+  if (leaf == none) {
+    leaf = static_cast<Leaf>(leaves_.size());
+    leaves_.emplace_back();
+  } else {
+    free_ = leaves_[leaf].slot;
+  }
+  leaves_[leaf] = {box, item, slots(), none};
+  order_.push_back(leaf);
   ++size_;
+  ++loose_;
   touch(leaf);
   return leaf;
 }
 
 bool BoxTree::update(Leaf leaf, const FloatBox& tight, const FloatBox& fat) noexcept {
   assert(fat.contains(tight));
-  const FloatBox& now = nodes_[leaf].box;
+  FloatBox& now = leaves_[leaf].box;
   if (now.contains(tight) && !(perimeter(now) > 2 * perimeter(fat))) return false;
-  unlink(leaf);
-  nodes_[leaf].box = fat;
-  link(leaf);
+  now = fat;
   touch(leaf);
   return true;
 }
 
+/// The nodes above keep their boxes, which are no smaller than need be.
 void BoxTree::remove(Leaf leaf) noexcept {
-  unlink(leaf);
-  if (const std::int32_t position = nodes_[leaf].child[1]; position != none) {
-    moved_[position] = moved_.back();
-    nodes_[moved_[position]].child[1] = position;
+  Entry& entry = leaves_[leaf];
+  if (entry.moved != none) {
+    moved_[entry.moved] = moved_.back();
+    leaves_[moved_[entry.moved]].moved = entry.moved;
     moved_.pop_back();
   }
-  free_node(leaf);
+  const std::int32_t node = entry.slot / BoxLanes::width, lane = entry.slot % BoxLanes::width;
+  order_[entry.slot] = none;
+  if (node < static_cast<std::int32_t>(moved_lanes_.size())) {
+    levels_[0][node].clear(lane);
+    moved_lanes_[node] &= static_cast<std::uint8_t>(~(1u << lane));
+  }
+  entry = {};
+  entry.slot = free_;
+  free_ = leaf;
   --size_;
 }
 
-void BoxTree::make_room_for(const BoxTree& other) {
-  make_room(nodes_, other.nodes_.size());
-  make_room(moved_, static_cast<std::size_t>(other.size_));
-}
-
 void BoxTree::touch(Leaf leaf) noexcept {
+  fresh_ = false;
   if (has_moved(leaf)) return;
-  nodes_[leaf].child[1] = static_cast<std::int32_t>(moved_.size());
+  leaves_[leaf].moved = static_cast<std::int32_t>(moved_.size());
   moved_.push_back(leaf);
 }
 
 void BoxTree::clear_moved() noexcept {
-  for (const Leaf leaf : moved_) nodes_[leaf].child[1] = none;
+  if (!fresh_) refresh();
+  for (const Leaf leaf : moved_) {
+    leaves_[leaf].moved = none;
+    moved_lanes_[leaves_[leaf].slot / BoxLanes::width] = 0;
+  }
   moved_.clear();
 }
 
 // ---- Nodes ---------------------------------------------------------------
 
-std::int32_t BoxTree::take_node() noexcept {
-  if (free_ == none) {
-    nodes_.emplace_back();  // there is room: insert()
-    return static_cast<std::int32_t>(nodes_.size()) - 1;
-  }
-  const std::int32_t n = free_;
-  free_ = nodes_[n].parent;
-  nodes_[n] = Node{};
-  return n;
+void BoxTree::refresh() noexcept {
+  if (fresh_) return;
+  const bool worn = is_worn();
+  if (worn) order_leaves();
+  resize_levels();
+  place_leaves(worn || 4 * moved_.size() > order_.size());
+  refit();
+  fresh_ = true;
 }
 
-void BoxTree::free_node(std::int32_t n) noexcept {
-  nodes_[n].height = none;
-  nodes_[n].parent = free_;
-  free_ = n;
+bool BoxTree::is_worn() const noexcept {
+  // About what ordering a leaf takes, in work.
+  constexpr double ordering = 4;
+  return loose_ > 8 + size_ / 32 || slots() > 2 * size_ + 64 || lost_ > ordering * size_;
 }
 
-/// Greedy descent: the cost of a sibling is the area of the new parent and what all ancestors grow by.
-std::int32_t BoxTree::best_sibling(const FloatBox& box) const noexcept {
-  const double own = area(box);
-  std::int32_t n = root_;
-  double merged = area(nodes_[n].box.merged(box));
-  double growth = 0;  // of the ancestors of n
-  std::int32_t best = none;
-  double best_cost = std::numeric_limits<double>::infinity();
-  while (true) {
-    const Node& node = nodes_[n];
-    // A higher sibling would leave the new parent out of balance.
-    if (node.height <= max_imbalance && (best == none || merged + growth < best_cost)) {
-      best = n;
-      best_cost = merged + growth;
+void BoxTree::order_leaves() noexcept {
+  // Infinite boxes have a middle as well.
+  constexpr float largest = FloatLimits::max() / 4;
+  centres_.clear();
+  for (const Leaf leaf : order_) {
+    if (leaf == none) continue;
+    Centre& centre = centres_.emplace_back();
+    centre.leaf = leaf;
+    const FloatBox& box = leaves_[leaf].box;
+    for (int k = 0; k < 3; ++k) {
+      centre.at[k] = std::clamp(box.lower[k], -largest, largest) + std::clamp(box.upper[k], -largest, largest);
     }
-    if (node.height == 0) return best;
-    growth += merged - area(node.box);
-    std::array<double, 2> child_merged, bound;
-    for (int k = 0; k < 2; ++k) {
-      const Node& child = nodes_[node.child[k]];
-      child_merged[k] = area(child.box.merged(box));
-      // What any place below costs at least.
-      bound[k] = child.height == 0 ? child_merged[k] : child_merged[k] - area(child.box) + own;
-    }
-    const bool lower_is_second = nodes_[node.child[1]].height < nodes_[node.child[0]].height;
-    const int k = bound[0] == bound[1] ? (lower_is_second ? 1 : 0) : (bound[1] < bound[0] ? 1 : 0);
-    if (best != none && best_cost <= growth + bound[k]) return best;
-    n = node.child[k];
-    merged = child_merged[k];
   }
-}
-
-void BoxTree::link(Leaf leaf) noexcept {
-  if (root_ == none) {
-    root_ = leaf;
-    nodes_[leaf].parent = none;
-    return;
+  split(0, centres_.size());
+  order_.resize(centres_.size());
+  for (std::size_t slot = 0; slot < centres_.size(); ++slot) {
+    order_[slot] = centres_[slot].leaf;
+    leaves_[centres_[slot].leaf].slot = static_cast<std::int32_t>(slot);
   }
-  const std::int32_t sibling = best_sibling(nodes_[leaf].box);
-  const std::int32_t above_both = nodes_[sibling].parent;
-  const std::int32_t parent = take_node();
-  nodes_[parent].child = {sibling, leaf};
-  replace_child(above_both, sibling, parent);
-  nodes_[sibling].parent = nodes_[leaf].parent = parent;
-  refit(parent);
-  repair_upwards(above_both);
-}
-
-void BoxTree::unlink(Leaf leaf) noexcept {
-  const std::int32_t parent = nodes_[leaf].parent;
-  nodes_[leaf].parent = none;
-  if (parent == none) {
-    root_ = none;
-    return;
+  for (int k = 0; k < height_; ++k) {
+    levels_[k].clear();
+    dirty_[k].clear();
   }
-  const Node node = nodes_[parent];
-  const std::int32_t sibling = node.child[node.child[0] == leaf ? 1 : 0];
-  replace_child(node.parent, parent, sibling);
-  free_node(parent);
-  repair_upwards(node.parent);
+  moved_lanes_.clear();
+  loose_ = 0;
+  lost_ = 0;
+  least_rate_ = infinite;
 }
 
-void BoxTree::replace_child(std::int32_t parent, std::int32_t old_child, std::int32_t new_child) noexcept {
-  nodes_[new_child].parent = parent;
-  if (parent == none) {
-    root_ = new_child;
-  } else {
-    auto& child = nodes_[parent].child;
-    child[child[0] == old_child ? 0 : 1] = new_child;
-  }
-}
-
-void BoxTree::refit(std::int32_t n) noexcept {
-  const Node& a = nodes_[nodes_[n].child[0]];
-  const Node& b = nodes_[nodes_[n].child[1]];
-  nodes_[n].box = a.box.merged(b.box);
-  nodes_[n].height = 1 + std::max(a.height, b.height);
-}
-
-void BoxTree::repair_upwards(std::int32_t n) noexcept {
-  for (; n != none; n = nodes_[n].parent) {
-    const FloatBox old_box = nodes_[n].box;
-    const std::int32_t old_height = nodes_[n].height;
-    rotate(n);
-    if (nodes_[n].box == old_box && nodes_[n].height == old_height) return;
-  }
-}
-
-/// The cheapest exchange below n after which all heights are in balance and that of n
-/// differs from the old one by at most 1: so no ancestor is off by more than what one exchange
-/// repairs. Where n itself is out of balance there is one: lifting the higher child of the higher child.
-BoxTree::Rotation BoxTree::best_rotation(std::int32_t n, int old_height) const noexcept {
-  const auto balanced = [](int a, int b) { return std::abs(a - b) <= max_imbalance; };
-  const auto height = [this](std::int32_t m) { return nodes_[m].height; };
-  const auto& child = nodes_[n].child;
-  Rotation best;
-  // Without need, only for a gain.
-  best.cost = balanced(height(child[0]), height(child[1])) ? 0 : std::numeric_limits<double>::infinity();
-  for (int side = 0; side < 2; ++side) {
-    const std::int32_t sinking = child[side];
-    const Node& inner = nodes_[child[1 - side]];
-    if (inner.height == 0) continue;
-    const double inner_area = area(inner.box);
-    for (int k = 0; k < 2; ++k) {
-      const std::int32_t rising = inner.child[k], staying = inner.child[1 - k];
-      const int inner_height = 1 + std::max(height(sinking), height(staying));
-      const int new_height = 1 + std::max(height(rising), inner_height);
-      if (!balanced(height(sinking), height(staying)) || !balanced(height(rising), inner_height) ||
-          std::abs(new_height - old_height) > 1) {
-        continue;
+/// Halves that fill whole nodes, by the coordinate in which centres differ most.
+void BoxTree::split(std::size_t first, std::size_t last) noexcept {
+  while (last - first > BoxLanes::width) {
+    std::array<float, 3> low = centres_[first].at, high = low;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], centres_[i].at[k]);
+        high[k] = std::max(high[k], centres_[i].at[k]);
       }
-      const double cost = area(nodes_[sinking].box.merged(nodes_[staying].box)) - inner_area;
-      if (cost < best.cost) best = {sinking, rising, cost};
+    }
+    int axis = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+    }
+    const std::size_t middle = first + std::bit_floor(last - first - 1);
+    const auto begin = centres_.begin();
+    std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),
+                     begin + static_cast<std::ptrdiff_t>(last),
+                     [axis](const Centre& a, const Centre& b) { return a.at[axis] < b.at[axis]; });
+    split(middle, last);
+    last = middle;
+  }
+}
+
+/// New nodes are dirty.
+void BoxTree::resize_levels() noexcept {
+  std::size_t nodes = nodes_for(order_.size());
+  moved_lanes_.resize(nodes);
+  const int old_height = height_;
+  for (height_ = 0; height_ < most_levels && nodes > 0; nodes = nodes_for(nodes)) {
+    levels_[height_].resize(nodes);
+    dirty_[height_].resize(nodes, 1);
+    ++height_;
+    if (nodes == 1) break;
+  }
+  if (height_ == old_height) return;
+  for (int k = height_; k < old_height; ++k) {
+    levels_[k].clear();
+    dirty_[k].clear();
+  }
+  // All have to enter what is above them now.
+  for (int k = 0; k < height_; ++k) std::fill(dirty_[k].begin(), dirty_[k].end(), std::uint8_t{1});
+}
+
+/// Those that have moved, or all: then in order of slots, which caches like.
+void BoxTree::place_leaves(bool all) noexcept {
+  const auto place = [this](Leaf leaf, std::int32_t slot) {
+    const std::int32_t node = slot / BoxLanes::width, lane = slot % BoxLanes::width;
+    levels_[0][node].set(lane, leaves_[leaf].box);
+    dirty_[0][node] = 1;
+    if (has_moved(leaf)) moved_lanes_[node] |= static_cast<std::uint8_t>(1u << lane);
+  };
+  if (!all) {
+    for (const Leaf leaf : moved_) place(leaf, leaves_[leaf].slot);
+    return;
+  }
+  for (std::int32_t slot = 0; slot < slots(); ++slot) {
+    if (order_[slot] != none) place(order_[slot], slot);
+  }
+}
+
+void BoxTree::refit() noexcept {
+  for (int k = 0; k < height_; ++k) {
+    for (std::size_t n = 0; n < dirty_[k].size(); ++n) {
+      if (dirty_[k][n] == 0) continue;
+      dirty_[k][n] = 0;
+      if (k + 1 == height_) continue;
+      levels_[k + 1][n / BoxLanes::width].set(static_cast<int>(n % BoxLanes::width), levels_[k][n].merged());
+      dirty_[k + 1][n / BoxLanes::width] = 1;
     }
   }
-  return best;
 }
 
-void BoxTree::rotate(std::int32_t n) noexcept {
-  const Rotation best = best_rotation(n, nodes_[n].height);
-  if (best.sinking != none) {
-    const std::int32_t inner = nodes_[best.rising].parent;
-    replace_child(n, best.sinking, best.rising);
-    replace_child(inner, best.rising, best.sinking);
-    refit(inner);
-  }
-  refit(n);
-}
-
-double BoxTree::cost() const noexcept {
-  double sum = 0;
-  for (const Node& node : nodes_) {
-    if (node.height >= 0) sum += area(node.box);
-  }
-  return root_ == none ? 0 : sum / area(nodes_[root_].box);
+/// Searches that see more nodes than they did after leaves were ordered lose time.
+void BoxTree::account(std::int64_t nodes) noexcept {
+  if (nodes == 0) return;
+  const double rate = static_cast<double>(work_) / static_cast<double>(nodes);
+  least_rate_ = std::min(least_rate_, rate);
+  lost_ += static_cast<double>(work_) - least_rate_ * static_cast<double>(nodes);
 }
 
 // ---- Check ---------------------------------------------------------------
 
-std::string BoxTree::node_defect(std::int32_t n) const {
-  const Node& node = nodes_[n];
-  const std::string name = "node " + std::to_string(n) + ": ";
-  if (node.height == 0) {
-    const std::int32_t position = node.child[1];
-    const bool listed =
-        position == none || (position < static_cast<std::int32_t>(moved_.size()) && moved_[position] == n);
-    return listed ? "" : name + "not among the moved ones";
-  }
-  const Node& a = nodes_[node.child[0]];
-  const Node& b = nodes_[node.child[1]];
-  if (a.parent != n || b.parent != n) return name + "a child has another parent";
-  if (!(node.box == a.box.merged(b.box))) return name + "not the box of its children";
-  if (node.height != 1 + std::max(a.height, b.height)) return name + "wrong height";
-  if (std::abs(a.height - b.height) > max_imbalance) return name + "out of balance";
-  return "";
-}
-
 std::string BoxTree::defect() const {
-  if ((root_ == none) != (size_ == 0)) return "wrong root";
-  if (root_ != none && nodes_[root_].parent != none) return "the root has a parent";
-  if (height() > max_height) return "too high";
-  std::vector<std::int32_t> stack;
-  if (root_ != none) stack.push_back(root_);
-  std::int32_t leaves = 0, visited = 0;
-  while (!stack.empty()) {
-    const std::int32_t n = stack.back();
-    stack.pop_back();
-    if (n < 0 || n >= static_cast<std::int32_t>(nodes_.size()) || ++visited > 2 * size_) return "not a tree";
-    if (std::string found = node_defect(n); !found.empty()) return found;
-    if (nodes_[n].height == 0) {
-      ++leaves;
-    } else {
-      stack.insert(stack.end(), nodes_[n].child.begin(), nodes_[n].child.end());
-    }
+  std::int32_t used = 0, moved = 0;
+  for (std::int32_t slot = 0; slot < slots(); ++slot) {
+    const Leaf leaf = order_[slot];
+    if (leaf == none) continue;
+    const std::string name = "leaf " + std::to_string(leaf) + ": ";
+    ++used;
+    if (leaves_[leaf].slot != slot) return name + "in another slot";
+    if (!has_moved(leaf)) continue;
+    ++moved;
+    if (moved_[leaves_[leaf].moved] != leaf) return name + "not among the moved ones";
   }
-  if (leaves != size_) return "wrong number of leaves";
+  if (used != size_) return "wrong number of leaves";
+  if (moved != static_cast<std::int32_t>(moved_.size())) return "wrong number of moved leaves";
   std::int32_t unused = 0;
-  for (std::int32_t n = free_; n != none && unused <= static_cast<std::int32_t>(nodes_.size()); n = nodes_[n].parent) {
+  for (Leaf leaf = free_; leaf != none && unused <= static_cast<Leaf>(leaves_.size()); leaf = leaves_[leaf].slot) {
     ++unused;
   }
-  return unused + visited == static_cast<std::int32_t>(nodes_.size()) ? "" : "lost nodes";
+  if (unused + used != static_cast<std::int32_t>(leaves_.size())) return "lost leaves";
+  if (!fresh_) return "";
+  for (std::int32_t slot = 0; slot < slots(); ++slot) {
+    const Leaf leaf = order_[slot];
+    const std::int32_t node = slot / BoxLanes::width, lane = slot % BoxLanes::width;
+    if (leaf != none && !(levels_[0][node].at(lane) == box(leaf))) return "a leaf has another box than its slot";
+    const bool marked = (moved_lanes_[node] >> lane & 1) != 0;
+    if (marked != (leaf != none && has_moved(leaf))) return "a slot does not know whether its leaf has moved";
+  }
+  for (int k = 0; k + 1 < height_; ++k) {
+    if (levels_[k + 1].size() != nodes_for(levels_[k].size())) return "wrong number of nodes";
+    for (std::size_t n = 0; n < levels_[k].size(); ++n) {
+      const FloatBox above = levels_[k + 1][n / BoxLanes::width].at(static_cast<int>(n % BoxLanes::width));
+      if (!(above == above.merged(levels_[k][n].merged()))) return "a node is larger than its parent knows";
+    }
+  }
+  return "";
 }
 
 }  // namespace encage

@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,122 +35,140 @@ struct FloatBox {
   friend bool operator==(const FloatBox&, const FloatBox&) = default;
 };
 
-/// Dynamic tree of boxes (Catto 2019, "Dynamic bounding volume hierarchies"): a leaf goes where
-/// the surface-area heuristic finds it cheapest, rotations repair the path above it. The heights of
-/// siblings differ by `max_imbalance` at most, so that a fixed stack holds every traversal.
+/// Eight boxes, for eight comparisons at once.
+struct alignas(64) BoxLanes {
+  static constexpr int width = 8;
+  std::array<std::array<float, width>, 3> lower{}, upper{};
+
+  BoxLanes() noexcept;  ///< all empty
+  void set(int lane, const FloatBox& box) noexcept;
+  void clear(int lane) noexcept { set(lane, empty_box()); }
+  FloatBox at(int lane) const noexcept;
+  FloatBox merged() const noexcept;
+
+ private:
+  /// Neutral when merged, and apart from every box that is not infinite.
+  static FloatBox empty_box() noexcept;
+};
+
+/// Packed tree of boxes, eight wide and without pointers: child k of node n is node 8 n + k of the
+/// level below (Kamel and Faloutsos 1993, "On packing R-trees"). Leaves are ordered by splitting them at medians
+/// (Bentley 1975). Where leaves move, boxes of nodes follow; leaves are ordered anew after some have been added, or
+/// when searches have lost as much time by boxes that grew as ordering takes.
 ///
 /// Knows which leaves have moved since clear_moved(), and finds pairs for those alone.
-/// The same calls give the same tree and the same order of visits. Concurrent
-/// queries are safe while nothing changes the tree; queries never allocate.
+/// The same calls give the same tree and the same order of visits. Changes take effect by refresh(), which is for
+/// searches to follow. Concurrent queries are safe while nothing changes the tree; only insert() allocates.
 class BoxTree {
  public:
   using Leaf = std::int32_t;
-
-  static constexpr int max_imbalance = 4;
-  /// A tree of height h has at least f(h) = f(h - 1) + f(h - 5) leaves: more than 2^31 for h = 90.
-  static constexpr int max_height = 90;
 
   /// Adds a leaf with the caller's number for it; it has moved. On bad_alloc the tree is as before.
   Leaf insert(const FloatBox& box, std::uint32_t item);
 
   /// No work (and false) while `tight` stays in the leaf's box and that is not much larger than
-  /// `fat`; otherwise the leaf moves to a new place with the box `fat`, which contains `tight`.
+  /// `fat`; otherwise the leaf has moved and has the box `fat`, which contains `tight`.
   bool update(Leaf leaf, const FloatBox& tight, const FloatBox& fat) noexcept;
 
   void remove(Leaf leaf) noexcept;
 
-  /// Room for what the other tree holds: assigning it then allocates nothing, nor does update().
-  void make_room_for(const BoxTree& other);
-
   /// Treats the leaf as moved.
   void touch(Leaf leaf) noexcept;
-  bool has_moved(Leaf leaf) const noexcept { return nodes_[leaf].child[1] != none; }
+  bool has_moved(Leaf leaf) const noexcept { return leaves_[leaf].moved != none; }
   std::span<const Leaf> moved() const noexcept { return moved_; }
   void clear_moved() noexcept;
 
-  const FloatBox& box(Leaf leaf) const noexcept { return nodes_[leaf].box; }
-  std::uint32_t item(Leaf leaf) const noexcept { return static_cast<std::uint32_t>(nodes_[leaf].child[0]); }
+  const FloatBox& box(Leaf leaf) const noexcept { return leaves_[leaf].box; }
+  std::uint32_t item(Leaf leaf) const noexcept { return leaves_[leaf].item; }
   std::int32_t size() const noexcept { return size_; }
-  int height() const noexcept { return root_ == none ? 0 : nodes_[root_].height; }
 
-  /// Calls visit(item) for every leaf whose box overlaps `box`.
+  /// Brings the nodes up to date.
+  void refresh() noexcept;
+
+  /// Calls visit(item) for every leaf whose box overlaps `box`. The tree is fresh.
   template <class Visit>
   void query(const FloatBox& box, Visit&& visit) const {
-    query_leaves(box, [&](Leaf leaf) { visit(item(leaf)); });
+    const auto each = [&](std::int32_t node, unsigned lanes) {
+      for (; lanes != 0; lanes &= lanes - 1) {
+        if (const Leaf leaf = order_[BoxLanes::width * node + std::countr_zero(lanes)]; leaf != none) visit(item(leaf));
+      }
+    };
+    search(box, call<decltype(each), std::int32_t, unsigned>, &each);
   }
 
-  /// Calls visit(item, other item) once for every two leaves of which one has moved and whose
-  /// boxes, one of them enlarged by `margin`, overlap. For one leaf that has moved after the other.
+  /// Calls visit(item, other item) once for every two leaves of which one has moved and whose boxes overlap, or come to
+  /// overlap if one of them, no matter which, is enlarged by `margin`. Two that overlap only if it is the other
+  /// may be left out. The tree is fresh.
   template <class Visit>
-  void query_moved_pairs(double margin, Visit&& visit) const {
-    for (const Leaf leaf : moved_) {
-      query_leaves(nodes_[leaf].box.enlarged(margin), [&](Leaf other) {
-        // Two moved leaves meet twice.
-        if (other != leaf && !(has_moved(other) && other < leaf)) visit(item(leaf), item(other));
-      });
-    }
+  void query_moved_pairs(double margin, Visit&& visit) {
+    const auto each = [&](std::int32_t a, std::int32_t b, std::uint64_t lanes) {
+      for (; lanes != 0; lanes &= lanes - 1) {
+        const int bit = std::countr_zero(lanes);
+        const Leaf x = order_[BoxLanes::width * a + bit / BoxLanes::width];
+        const Leaf y = order_[BoxLanes::width * b + bit % BoxLanes::width];
+        if (x != none && y != none) visit(item(x), item(y));
+      }
+    };
+    search_moved(margin, call<decltype(each), std::int32_t, std::int32_t, std::uint64_t>, &each);
   }
-
-  /// Sum of the nodes' surface areas over that of the root: about how many nodes a small query visits.
-  double cost() const noexcept;
 
   /// What is wrong with the structure, for tests; empty if nothing is.
   std::string defect() const;
+  /// Pairs of nodes looked at by the last query_moved_pairs().
+  std::int64_t work() const noexcept { return work_; }
 
  private:
   static constexpr std::int32_t none = -1;
+  static constexpr int most_levels = 11;  // 8^11 > 2^31
 
-  struct Node {
+  struct Entry {
     FloatBox box;
-    std::int32_t parent = none;  // of free nodes: the next one
-    // Of leaves: the item, and the position in moved_ or none.
-    std::array<std::int32_t, 2> child{none, none};
-    std::int32_t height = 0;  // of leaves 0, of free nodes none
+    std::uint32_t item = 0;
+    std::int32_t slot = none;   // of free ones: the next one
+    std::int32_t moved = none;  // position in moved_
   };
-  // Exchange of a child with a child of its sibling.
-  struct Rotation {
-    std::int32_t sinking = none;
-    std::int32_t rising = none;
-    double cost = 0;
+  // A leaf while leaves are ordered.
+  struct Centre {
+    std::array<float, 3> at;
+    Leaf leaf;
   };
+  using VisitNode = void (*)(const void* context, std::int32_t node, unsigned lanes);
+  using VisitNodes = void (*)(const void* context, std::int32_t a, std::int32_t b, std::uint64_t lanes);
 
-  template <class Visit>
-  void query_leaves(const FloatBox& box, Visit&& visit) const {
-    if (root_ == none) return;
-    std::array<std::int32_t, max_height + 2> stack;
-    int size = 0;
-    stack[size++] = root_;
-    while (size > 0) {
-      const std::int32_t n = stack[--size];
-      const Node& node = nodes_[n];
-      if (!node.box.overlaps(box)) continue;
-      if (node.height == 0) {
-        visit(n);
-        continue;
-      }
-      assert(size <= max_height);
-      stack[size++] = node.child[1];
-      stack[size++] = node.child[0];
-    }
+  template <class Function, class... Arguments>
+  static void call(const void* function, Arguments... arguments) {
+    (*static_cast<const Function*>(function))(arguments...);
   }
 
-  std::int32_t take_node() noexcept;
-  void free_node(std::int32_t n) noexcept;
-  std::int32_t best_sibling(const FloatBox& box) const noexcept;
-  void link(Leaf leaf) noexcept;
-  void unlink(Leaf leaf) noexcept;
-  void repair_upwards(std::int32_t n) noexcept;
-  void rotate(std::int32_t n) noexcept;
-  void refit(std::int32_t n) noexcept;
-  void replace_child(std::int32_t parent, std::int32_t old_child, std::int32_t new_child) noexcept;
-  Rotation best_rotation(std::int32_t n, int old_height) const noexcept;
-  std::string node_defect(std::int32_t n) const;
+  std::int32_t slots() const noexcept { return static_cast<std::int32_t>(order_.size()); }
+  void search(const FloatBox& box, VisitNode visit, const void* context) const;
+  void search_moved(double margin, VisitNodes visit, const void* context);
+  void account(std::int64_t nodes) noexcept;
 
-  std::vector<Node> nodes_;
+  bool is_worn() const noexcept;
+  void order_leaves() noexcept;
+  void split(std::size_t first, std::size_t last) noexcept;
+  void resize_levels() noexcept;
+  void place_leaves(bool all) noexcept;
+  void refit() noexcept;
+
+  std::vector<Entry> leaves_;  // by Leaf
   std::vector<Leaf> moved_;
-  std::int32_t root_ = none;
+  std::vector<Leaf> order_;                                   // by slot; none: empty
+  std::array<std::vector<BoxLanes>, most_levels> levels_;     // 0: slots
+  std::array<std::vector<std::uint8_t>, most_levels> dirty_;  // nodes of which a lane has changed
+  std::vector<std::uint8_t> moved_lanes_;                     // bits, of the nodes of level 0
+  std::vector<Centre> centres_;
+  int height_ = 0;  // levels in use
   std::int32_t free_ = none;
   std::int32_t size_ = 0;
+  bool fresh_ = true;
+
+  std::int32_t loose_ = 0;  // leaves added since the others were ordered
+  std::int64_t work_ = 0;
+  double least_rate_ = infinite;  // of work a node that searches, since then
+  double lost_ = 0;               // work above that rate
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace encage
