@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/box_tree.h"
 
+#include "broadphase/room.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,17 +19,6 @@ float below(double x) {
 }
 
 float above(double x) { return -below(-x); }
-
-double perimeter(const FloatBox& box) {
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += static_cast<double>(box.upper[k]) - static_cast<double>(box.lower[k]);
-  return sum;
-}
-
-template <class T>
-void make_room(std::vector<T>& v, std::size_t size) {
-  if (v.capacity() < size) v.reserve(std::max(size, v.capacity() + v.capacity() / 2));
-}
 
 std::size_t nodes_for(std::size_t lanes) { return (lanes + BoxLanes::width - 1) / BoxLanes::width; }
 
@@ -103,18 +94,8 @@ FloatBox BoxLanes::merged() const noexcept {
 BoxTree::Leaf BoxTree::insert(const FloatBox& box, std::uint32_t item) {
   assert(size_ < std::numeric_limits<std::int32_t>::max() / 2);
   // Nothing else may allocate.
-  const std::size_t count = order_.size() + 1;
-  make_room(moved_, static_cast<std::size_t>(size_) + 1);
-  make_room(centres_, static_cast<std::size_t>(size_) + 1);
   make_room(leaves_, leaves_.size() + 1);
-  make_room(order_, count);
-  make_room(moved_lanes_, nodes_for(count));
-  std::size_t nodes = nodes_for(count);
-  for (int k = 0; k < most_levels; ++k, nodes = nodes_for(nodes)) {
-    make_room(levels_[k], nodes);
-    make_room(dirty_[k], nodes);
-    if (nodes == 1) break;
-  }
+  make_room_for(order_.size() + 1, static_cast<std::size_t>(size_) + 1);
   Leaf leaf = free_;
   if (leaf == none) {
     leaf = static_cast<Leaf>(leaves_.size());
@@ -130,13 +111,26 @@ BoxTree::Leaf BoxTree::insert(const FloatBox& box, std::uint32_t item) {
   return leaf;
 }
 
-bool BoxTree::update(Leaf leaf, const FloatBox& tight, const FloatBox& fat) noexcept {
-  assert(fat.contains(tight));
-  FloatBox& now = leaves_[leaf].box;
-  if (now.contains(tight) && !(perimeter(now) > 2 * perimeter(fat))) return false;
-  now = fat;
+void BoxTree::update(Leaf leaf, const FloatBox& box) noexcept {
+  leaves_[leaf].box = box;
   touch(leaf);
-  return true;
+}
+
+void BoxTree::make_room_for(const BoxTree& other) {
+  make_room(leaves_, other.leaves_.size());
+  make_room_for(other.order_.size(), static_cast<std::size_t>(other.size_));
+}
+
+void BoxTree::make_room_for(std::size_t slots, std::size_t leaves) {
+  make_room(moved_, leaves);
+  make_room(centres_, leaves);
+  make_room(order_, slots);
+  std::size_t nodes = nodes_for(slots);
+  make_room(moved_lanes_, nodes);
+  for (int k = 0; k < most_levels && nodes > 0; ++k, nodes = nodes > 1 ? nodes_for(nodes) : 0) {
+    make_room(levels_[k], nodes);
+    make_room(dirty_[k], nodes);
+  }
 }
 
 /// The nodes above keep their boxes, which are no smaller than need be.

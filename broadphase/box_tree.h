@@ -66,11 +66,13 @@ class BoxTree {
   /// Adds a leaf with the caller's number for it; it has moved. On bad_alloc the tree is as before.
   Leaf insert(const FloatBox& box, std::uint32_t item);
 
-  /// No work (and false) while `tight` stays in the leaf's box and that is not much larger than
-  /// `fat`; otherwise the leaf has moved and has the box `fat`, which contains `tight`.
-  bool update(Leaf leaf, const FloatBox& tight, const FloatBox& fat) noexcept;
+  /// The leaf has moved.
+  void update(Leaf leaf, const FloatBox& box) noexcept;
 
   void remove(Leaf leaf) noexcept;
+
+  /// Room for what the other tree holds: assigning it then allocates nothing, nor do changes but insert().
+  void make_room_for(const BoxTree& other);
 
   /// Treats the leaf as moved.
   void touch(Leaf leaf) noexcept;
@@ -145,6 +147,7 @@ class BoxTree {
   void search_moved(double margin, VisitNodes visit, const void* context);
   void account(std::int64_t nodes) noexcept;
 
+  void make_room_for(std::size_t slots, std::size_t leaves);
   bool is_worn() const noexcept;
   void order_leaves() noexcept;
   void split(std::size_t first, std::size_t last) noexcept;

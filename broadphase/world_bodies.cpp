@@ -36,6 +36,12 @@ void check_pose(const Eigen::Isometry3d& pose, BodyId body, const char* which) {
   if (const char* defect = pose_defect(pose)) refuse(body, std::string(which) + " " + defect);
 }
 
+[[noreturn]] void refuse_motion(BodyId body, const Motion& motion) {
+  check_pose(motion.start, body, "the start pose");
+  check_pose(motion.end, body, "the end pose");
+  refuse(body, "the rotation within the step reaches 180 degrees");
+}
+
 template <WorldId Id>
 void check_length(Id id, const char* what, double length) {
   if (!(length >= 0 && length <= largest_length)) refuse(id, length_defect(what, length));
@@ -60,11 +66,6 @@ void put(std::vector<T>& v, std::size_t i, T value) {
 template <class T>
 void prepare_put(std::vector<T>& v) {
   make_room(v, v.size() + 1);
-}
-
-Eigen::Vector3d displacement(const Eigen::AlignedBox3d& box, const Motion& motion) {
-  const Eigen::Vector3d centre = motion.scale * box.center();
-  return motion.end * centre - motion.start * centre;
 }
 
 }  // namespace
@@ -157,23 +158,24 @@ BodyId World::State::add_body(ShapeId shape, const Eigen::Isometry3d& pose, cons
   body.options = options;
   body.awake = options.kind != BodyKind::static_;
   body.shape = shape;
-  const Bounds bounds = bounds_of(body);
+  const Bounds bounds{world_box(*shapes_[index(shape)].shape, body.motion), own_margin(body), 0};
   prepare_put(bodies_);
   prepare_put(bounds_);
+  prepare_put(rules_);
   prepare_put(outdated_);
   prepare_put(collected_);
   make_room(removed_, bodies_.size() + 1);
   body_ids_.prepare_add();
-  body.leaf = tree_.insert(tree_boxes(body, bounds).fat, index(id));
+  body.leaf = tree_.insert(tree_box(bounds), index(id));
   put(bodies_, index(id), body);
   put(bounds_, index(id), bounds);
+  put(rules_, index(id), Rule{});
   if (index(id) == outdated_.size()) {
     outdated_.push_back(0);
     collected_.push_back(BodyId::none);
   }
   ++shapes_[index(shape)].bodies;
   update(index(id));
-  outdated_[index(id)] |= outdated;
   return body_ids_.add();
 }
 
@@ -204,9 +206,7 @@ void World::State::set_motion(BodyId id, const Motion& motion) {
     refuse(id, "the motion's scale " + text(motion.scale) + " is not the body's, " + text(scale));
   }
   if (motion.start.matrix() == known.motion.start.matrix() && motion.end.matrix() == known.motion.end.matrix()) return;
-  check_pose(motion.start, id, "the start pose");
-  check_pose(motion.end, id, "the end pose");
-  if (!is_usable(motion)) refuse(id, "the rotation within the step reaches 180 degrees");
+  if (!is_usable(motion)) refuse_motion(id, motion);
   if (known.options.kind == BodyKind::static_ && !motion.at_rest()) {
     refuse(id, "a static body cannot move within a step");
   }
@@ -240,16 +240,13 @@ void World::State::set_options(BodyId id, const BodyOptions& options) {
   body.options = options;
   body.motion.scale = options.scale;
   update(index(id));
-  // Other pairs may be allowed.
-  tree_.touch(body.leaf);
-  outdated_[index(id)] |= outdated;
 }
 
 void World::State::set_awake(BodyId id, bool awake) {
   check_unlocked();
   if (body(id).options.kind == BodyKind::static_ || body(id).awake == awake) return;
   const std::uint32_t n = index(id);
-  bodies_[n].awake = awake;
+  bodies_[n].awake = rules_[n].awake = awake;
   if (awake) {
     tree_.touch(bodies_[n].leaf);
     outdated_[n] |= outdated;
@@ -271,41 +268,23 @@ void World::State::set_deformation(BodyId id, double bound) {
 /// After a change of the body.
 void World::State::update(std::uint32_t n) noexcept {
   const Body& body = bodies_[n];
-  bounds_[n] = bounds_of(body);
+  bounds_[n].margin = own_margin(body);
   bounds_[n].changed_at = ++clock_;
-  const TreeBoxes boxes = tree_boxes(body, bounds_[n]);
-  if (tree_.update(body.leaf, boxes.tight, boxes.fat)) outdated_[n] |= outdated;
-  if (body.awake) return;
-  // Its pairs with others that are not awake are not known.
+  rules_[n] = {body.options.filter, body.options.group, body.options.kind, body.awake};
   tree_.touch(body.leaf);
   outdated_[n] |= outdated;
-  has_stirred_ = true;
+  if (!body.awake) has_stirred_ = true;
 }
 
 // ---- Boxes ---------------------------------------------------------------
 
-Eigen::AlignedBox3d World::State::loose_box(const Body& body) const {
-  const Eigen::AlignedBox3d& box = shapes_[index(body.shape)].box;
-  const Eigen::AlignedBox3d start = turned_box(box, body.motion.start, body.motion.scale);
-  return body.motion.at_rest() ? start : start.merged(turned_box(box, body.motion.end, body.motion.scale));
+double World::State::own_margin(const Body& body) const noexcept {
+  return body.options.margin + shapes_[index(body.shape)].margin + body.deformation;
 }
 
-World::State::Bounds World::State::bounds_of(const Body& body) const {
-  return {loose_box(body), body.options.margin + shapes_[index(body.shape)].margin + body.deformation, 0};
-}
-
-World::State::TreeBoxes World::State::tree_boxes(const Body& body, const Bounds& bounds) const {
+FloatBox World::State::tree_box(const Bounds& bounds) const noexcept {
   // The excess hides the rounding of sums of margins.
-  const double margin = bounds.margin * (1 + 1e-12);
-  const FloatBox tight = FloatBox::around(bounds.loose, margin);
-  if (body.options.kind == BodyKind::static_) return {tight, tight};
-  // A body is expected to go on as it does now.
-  constexpr double steps_ahead = 4, slack = 0.1;
-  const Eigen::AlignedBox3d& box = shapes_[index(body.shape)].box;
-  const Eigen::Vector3d ahead = steps_ahead * displacement(box, body.motion);
-  Eigen::AlignedBox3d predicted = bounds.loose;
-  predicted.extend(bounds.loose.min() + ahead).extend(bounds.loose.max() + ahead);
-  return {tight, FloatBox::around(predicted, margin + slack * body.motion.scale * box.sizes().mean())};
+  return FloatBox::around(bounds.box, bounds.margin * (1 + 1e-12));
 }
 
 // ---- Questions -----------------------------------------------------------

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which pairs a world keeps: those whose boxes in the tree overlap.
 #include "broadphase/body_box.h"
+#include "broadphase/chunks.h"
 #include "broadphase/room.h"
 #include "broadphase/world_state.h"
 
@@ -21,14 +22,14 @@ Eigen::AlignedBox3d in_double(const FloatBox& box) {
 
 // ---- What is true of a pair ----------------------------------------------
 
-bool World::State::allowed(const Body& a, const Body& b) const noexcept {
-  if (a.options.kind != BodyKind::dynamic && b.options.kind != BodyKind::dynamic) return false;
-  if (a.options.group != 0 && a.options.group == b.options.group) return a.options.group > 0;
-  return masks_allow(a.options.filter, b.options.filter);
+bool World::State::allowed(const Rule& a, const Rule& b) noexcept {
+  if (a.kind != BodyKind::dynamic && b.kind != BodyKind::dynamic) return false;
+  if (a.group != 0 && a.group == b.group) return a.group > 0;
+  return masks_allow(a.filter, b.filter);
 }
 
 bool World::State::is_active(std::uint32_t n) const noexcept {
-  return bodies_[n].awake || bounds_[n].changed_at > searched_at_;
+  return rules_[n].awake || bounds_[n].changed_at > searched_at_;
 }
 
 bool World::State::is_active(std::uint64_t key) const noexcept {
@@ -36,17 +37,31 @@ bool World::State::is_active(std::uint64_t key) const noexcept {
   return has_half_space(key) ? planes_[half_space_of(key)].changed_at > searched_at_ : is_active(second_of(key));
 }
 
-bool World::State::is_outdated(std::uint64_t key) const noexcept {
-  if (outdated_[first_of(key)] != 0) return true;
-  return (has_half_space(key) ? outdated_planes_[half_space_of(key)] : outdated_[second_of(key)]) != 0;
+/// What merging asks of bodies many times.
+void World::State::note_status() {
+  std::vector<std::uint8_t>& all = scratch_.status;
+  make_room(all, bodies_.size());
+  all.resize(bodies_.size());
+  for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
+    // `still_same`: the body of this index is still the one whose pairs are known.
+    all[n] = static_cast<std::uint8_t>((body_ids_.contains(collected_[n]) ? still_same : 0) |
+                                       (is_active(n) ? active : 0) | (outdated_[n] != 0 ? outdated : 0));
+  }
 }
 
-/// Whether the body of this index is still the one whose pairs are known.
-bool World::State::is_same(std::uint32_t n) const noexcept { return body_ids_.contains(collected_[n]); }
-
-bool World::State::is_same(std::uint64_t key) const noexcept {
-  if (!is_same(first_of(key))) return false;
-  return has_half_space(key) ? plane_ids_.contains(collected_planes_[half_space_of(key)]) : is_same(second_of(key));
+/// `still_same` if both are, the others if one is.
+std::uint8_t World::State::status(std::uint64_t key) const noexcept {
+  const std::uint8_t a = scratch_.status[first_of(key)];
+  std::uint8_t b = 0;
+  if (has_half_space(key)) {
+    const std::uint32_t p = half_space_of(key);
+    b = static_cast<std::uint8_t>((plane_ids_.contains(collected_planes_[p]) ? still_same : 0) |
+                                  (planes_[p].changed_at > searched_at_ ? active : 0) |
+                                  (outdated_planes_[p] != 0 ? outdated : 0));
+  } else {
+    b = scratch_.status[second_of(key)];
+  }
+  return static_cast<std::uint8_t>((a & b & still_same) | ((a | b) & (active | outdated)));
 }
 
 World::State::Ended World::State::ended(std::uint64_t key) const noexcept {
@@ -58,14 +73,13 @@ World::State::Ended World::State::ended(std::uint64_t key) const noexcept {
 // ---- Pairs that are not known yet ----------------------------------------
 
 void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, double margin) {
-  const Body& body = bodies_[n];
-  if (body.options.kind != BodyKind::dynamic) return;
-  const Eigen::AlignedBox3d box = in_double(tree_.box(body.leaf));
+  if (rules_[n].kind != BodyKind::dynamic) return;
+  const Eigen::AlignedBox3d box = in_double(tree_.box(bodies_[n].leaf));
   for (std::uint32_t p = 0; p < planes_.size(); ++p) {
     if (!plane_ids_.is_used(p) || (outdated_ones && outdated_planes_[p] == 0)) continue;
     const std::uint64_t key = pair_key(n, half_space_bit | p);
     // The box holds the body's margin already; twice is safe.
-    if (masks_allow(body.options.filter, planes_[p].filter) && is_active(key) &&
+    if (masks_allow(rules_[n].filter, planes_[p].filter) && is_active(key) &&
         !box_beyond(box, planes_[p].half_space, margin + bounds_[n].margin)) {
       scratch_.fresh.push_back(key);
     }
@@ -75,7 +89,7 @@ void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, d
 void World::State::find_fresh_pairs(double margin) {
   scratch_.fresh.clear();
   tree_.query_moved_pairs(margin * (1 + 1e-12), [&](std::uint32_t a, std::uint32_t b) {
-    if (allowed(bodies_[a], bodies_[b]) && (is_active(a) || is_active(b))) scratch_.fresh.push_back(pair_key(a, b));
+    if (allowed(rules_[a], rules_[b]) && (is_active(a) || is_active(b))) scratch_.fresh.push_back(pair_key(a, b));
   });
   for (const BoxTree::Leaf leaf : tree_.moved()) find_fresh_half_spaces(tree_.item(leaf), false, margin);
   if (has_outdated_planes_) {
@@ -83,7 +97,7 @@ void World::State::find_fresh_pairs(double margin) {
       if (outdated_[n] == 0 && body_ids_.is_used(n)) find_fresh_half_spaces(n, true, margin);
     }
   }
-  std::sort(scratch_.fresh.begin(), scratch_.fresh.end());
+  scratch_.order.sort(scratch_.fresh, bodies_.size());
 }
 
 // ---- Merging -------------------------------------------------------------
@@ -105,13 +119,14 @@ void World::State::for_each_woken(Visit&& visit) const {
 void World::State::prepare_merge() {
   ended_.erase(ended_.begin(), ended_.begin() + static_cast<std::ptrdiff_t>(ended_visited_));
   ended_visited_ = 0;
+  note_status();
   std::size_t woken = 0, asleep = 0, ended = 0;
   for_each_woken([&](std::uint32_t owner) { woken += sleeping_.count(owner); });
   for (const Pair& pair : pairs_) {
     if (!pair.candidate) continue;
-    const bool same = is_same(pair.key);
-    if (same && !is_active(pair.key)) ++asleep;
-    if (!same || is_outdated(pair.key)) ++ended;
+    const std::uint8_t now = status(pair.key);
+    if ((now & still_same) != 0 && (now & active) == 0) ++asleep;
+    if ((now & still_same) == 0 || (now & outdated) != 0) ++ended;
   }
   make_room(scratch_.woken, woken);
   make_room(scratch_.merged, pairs_.size() + woken + scratch_.fresh.size());
@@ -127,18 +142,21 @@ void World::State::merge_pairs() noexcept {
   const auto fresh_end = scratch_.fresh.cend();
   const auto settle = [&](const Pair& known) {
     for (; fresh != fresh_end && *fresh < known.key; ++fresh) merged.push_back({.key = *fresh});
-    if (!is_same(known.key)) {
+    const std::uint8_t now = status(known.key);
+    if ((now & still_same) == 0) {
       if (known.candidate) ended_.push_back(ended(known.key));
       return;  // what was found is another pair
     }
-    if (!is_active(known.key)) {
+    if ((now & active) == 0) {
       if (known.candidate) sleeping_.add(known.key);
       return;
     }
     const bool found = fresh != fresh_end && *fresh == known.key;
     if (found) ++fresh;
-    if (found || !is_outdated(known.key)) {
+    if ((now & outdated) == 0) {
       merged.push_back(known);
+    } else if (found) {
+      merged.push_back({.key = known.key, .candidate = known.candidate});
     } else if (known.candidate) {
       ended_.push_back(ended(known.key));
     }
@@ -191,7 +209,26 @@ void World::State::stir_sleepers() noexcept {
   }
 }
 
-void World::State::collect(double margin) {
+/// Of the bodies that have changed, by tasks if there are many.
+void World::State::find_boxes(const Executor& executor) {
+  const std::span<const BoxTree::Leaf> moved = tree_.moved();
+  const auto find = [&](std::size_t i) {
+    const std::uint32_t n = tree_.item(moved[i]);
+    bounds_[n].box = world_box(*shape_of(bodies_[n]), bodies_[n].motion);
+    return true;
+  };
+  constexpr std::size_t many = 64;
+  std::size_t first = 0;
+  if (executor.run && executor.threads > 1 && moved.size() >= many) {
+    first = for_each_in_chunks(executor, 0, moved.size(), find);
+  }
+  // An executor may have run nothing.
+  for (; first < moved.size(); ++first) find(first);
+  for (const BoxTree::Leaf leaf : moved) tree_.update(leaf, tree_box(bounds_[tree_.item(leaf)]));
+  tree_.refresh();
+}
+
+void World::State::collect(double margin, const Executor& executor) {
   if (margin > collected_margin_) {
     for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
       if (!body_ids_.is_used(n)) continue;
@@ -202,6 +239,7 @@ void World::State::collect(double margin) {
   }
   if (tree_.moved().empty() && !has_stale_pairs_ && !has_outdated_planes_) return;
   // Nothing is lost if memory runs out.
+  find_boxes(executor);
   find_fresh_pairs(collected_margin_);
   prepare_merge();
   merge_pairs();

@@ -18,6 +18,12 @@ bool same(const PairOptions& a, const PairOptions& b) {
          a.coarsest_cage == b.coarsest_cage && a.fine == b.fine;
 }
 
+/// Ends the lock of a world.
+struct Unlock {
+  bool& locked;
+  ~Unlock() { locked = false; }
+};
+
 /// More than the rounding of a sum of four margins, and of this product.
 constexpr double rounded_up = 1 + 8 * std::numeric_limits<double>::epsilon();
 
@@ -30,35 +36,12 @@ double World::State::margin_of(const Pair& pair, double margin) const noexcept {
   return rounded_up * (has_half_space(pair.key) ? sum : sum + bounds_[second_of(pair.key)].margin);
 }
 
-bool World::State::is_current(const Pair& pair) const noexcept {
-  std::uint64_t changed_at = std::max(options_changed_at_, bounds_[first_of(pair.key)].changed_at);
-  if (!has_half_space(pair.key)) changed_at = std::max(changed_at, bounds_[second_of(pair.key)].changed_at);
-  return pair.tested_at > changed_at;
-}
+bool World::State::is_current(const Pair& pair) const noexcept { return pair.tested_at > options_changed_at_; }
 
-Eigen::AlignedBox3d World::State::tight_box(std::uint32_t n) noexcept {
-  constexpr std::uint64_t nobody = ~std::uint64_t{0};
-  Body& body = bodies_[n];
-  const std::atomic_ref<std::uint64_t> box_of(body.box_of);
-  const std::uint64_t wanted = bounds_[n].changed_at;
-  std::uint64_t known = box_of.load(std::memory_order_acquire);
-  if (known == wanted) return body.box;
-  const Eigen::AlignedBox3d box = world_box(*shape_of(body), body.motion);
-  // Several threads may find the same box; one keeps it, none waits.
-  if (known != nobody && box_of.compare_exchange_strong(known, nobody, std::memory_order_relaxed)) {
-    body.box = box;
-    box_of.store(wanted, std::memory_order_release);
-  }
-  return box;
-}
-
-bool World::State::boxes_are_apart(const Pair& pair, double margin) noexcept {
-  const std::uint32_t a = first_of(pair.key), b = second_of(pair.key);
-  if (has_half_space(pair.key)) {
-    const HalfSpace& plane = planes_[half_space_of(pair.key)].half_space;
-    return box_beyond(bounds_[a].loose, plane, margin) || box_beyond(tight_box(a), plane, margin);
-  }
-  return boxes_apart(bounds_[a].loose, bounds_[b].loose, margin) || boxes_apart(tight_box(a), tight_box(b), margin);
+bool World::State::boxes_are_apart(const Pair& pair, double margin) const noexcept {
+  const Eigen::AlignedBox3d& box = bounds_[first_of(pair.key)].box;
+  if (has_half_space(pair.key)) return box_beyond(box, planes_[half_space_of(pair.key)].half_space, margin);
+  return boxes_apart(box, bounds_[second_of(pair.key)].box, margin);
 }
 
 CandidatePair World::State::candidate(const Pair& pair) const noexcept {
@@ -81,6 +64,7 @@ Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept 
   if (has_half_space(pair.key)) {
     return separated(shape_a, a.motion, planes_[half_space_of(pair.key)].half_space, options.margin);
   }
+  if (!options.fine && options.cages == CageUse::never) return {};
   const Body& b = bodies_[second_of(pair.key)];
   return separated(shape_a, a.motion, *shape_of(b), b.motion, options);
 }
@@ -107,12 +91,7 @@ class World::State::Search {
         now_(++state.clock_),
         tested_(state.complete_at_ == now_ - 1),
         shared_(options.executor.run && options.executor.threads > 1 && state.pairs_.size() > 1 &&
-                (!tested_ || options.triangles)) {
-    state_.scratch_.searching = true;
-  }
-  ~Search() { state_.scratch_.searching = false; }
-  Search(const Search&) = delete;
-  Search& operator=(const Search&) = delete;
+                (!tested_ || options.triangles)) {}
 
   CandidateStatistics run(void (*visit)(void*, const CandidatePair&), void* context) {
     if (options_.accept) call_accept();
@@ -299,7 +278,9 @@ CandidateStatistics World::State::search(const CandidateOptions& options, void (
     throw Error("candidate options: the number of threads " + std::to_string(threads) + " is not positive");
   }
   if (options.pair.margin > left_out_margin_) stir_sleepers();
-  collect(options.pair.margin);
+  scratch_.searching = true;
+  const Unlock unlock{scratch_.searching};
+  collect(options.pair.margin, options.executor);
   if (!same(options.pair, last_options_)) {
     last_options_ = options.pair;
     options_changed_at_ = ++clock_;

@@ -3,6 +3,7 @@
 
 #include "broadphase/box_tree.h"
 #include "broadphase/id_table.h"
+#include "broadphase/key_order.h"
 #include "broadphase/pair_key.h"
 #include "broadphase/sleeping_pairs.h"
 #include "broadphase/triangle_lists.h"
@@ -22,8 +23,8 @@ inline constexpr double largest_length = 1e150;
 /// Why a length is refused, e.g. "the margin -1 is negative"; empty if it is not.
 std::string length_defect(const char* what, double length);
 
-/// What a World holds; a copy of it is a snapshot. A tree of enlarged boxes finds pairs of bodies once, when
-/// one of them leaves its box; the pairs are kept, sorted, with what was last proven about them.
+/// What a World holds; a copy of it is a snapshot. A tree of boxes finds the pairs of the bodies that
+/// have changed; pairs are kept, sorted, with what was last proven about them.
 ///
 /// A body is *active* while it is awake, or if it was changed after the last complete search. Pairs without an active
 /// body are not among those kept; of such a pair it is only known that it was a candidate.
@@ -51,9 +52,7 @@ class World::State {
     Motion motion;
     BodyOptions options;
     double deformation = 0;
-    bool awake = true;         // never if it is static
-    Eigen::AlignedBox3d box;   // world_box(), where box_of is changed_at
-    std::uint64_t box_of = 0;  // the time of the motion that `box` is about; atomic during a search
+    bool awake = true;  // never if it is static
     ShapeId shape{};
     BoxTree::Leaf leaf = -1;
   };
@@ -80,18 +79,20 @@ class World::State {
  private:
   // What every search reads of every body.
   struct Bounds {
-    Eigen::AlignedBox3d loose;  // contains the body during its motion, cheap to compute
-    double margin = 0;          // all that is the body's own
+    Eigen::AlignedBox3d box;  // world_box(), once pairs are collected
+    double margin = 0;        // all that is the body's own
     std::uint64_t changed_at = 0;
   };
-  // Boxes for the tree: what must be inside, and what is worth having.
-  struct TreeBoxes {
-    FloatBox tight;
-    FloatBox fat;
+  // What says which bodies pair.
+  struct Rule {
+    Filter filter;
+    std::int32_t group = 0;
+    BodyKind kind = BodyKind::dynamic;
+    bool awake = true;
   };
   struct Pair {
     std::uint64_t key = 0;
-    std::uint64_t tested_at = 0;  // the time of what follows
+    std::uint64_t tested_at = 0;  // the time of what follows; 0 if a body has changed since
     Verdict verdict{};            // if asked
     bool apart : 1 = false;       // boxes are
     bool asked : 1 = false;
@@ -115,24 +116,27 @@ class World::State {
     bool searching = false;
     std::vector<Pair> merged;
     std::vector<std::uint64_t> fresh, woken;  // keys
-    std::vector<TrianglePair> triangles;      // of one pair
-    TriangleLists lists;                      // of pairs that tasks went through
-    std::vector<TriangleLists::List> list;    // of pairs
+    KeyOrder order;
+    std::vector<std::uint8_t> status;       // of bodies, while pairs are merged
+    std::vector<TrianglePair> triangles;    // of one pair
+    TriangleLists lists;                    // of pairs that tasks went through
+    std::vector<TriangleLists::List> list;  // of pairs
   };
   class Search;
 
   static constexpr std::uint8_t outdated = 1, listed_as_removed = 2;  // bits of outdated_
+  static constexpr std::uint8_t still_same = 2, active = 4;           // and with `outdated` of a status
 
   const ShapePtr& shape_of(const Body& body) const { return shapes_[index(body.shape)].shape; }
   void check_options(BodyId id, const BodyOptions& options) const;
-  Eigen::AlignedBox3d loose_box(const Body& body) const;
-  TreeBoxes tree_boxes(const Body& body, const Bounds& bounds) const;
-  Bounds bounds_of(const Body& body) const;
+  double own_margin(const Body& body) const noexcept;
+  FloatBox tree_box(const Bounds& bounds) const noexcept;
   void update(std::uint32_t body) noexcept;
 
   // Pairs whose tree boxes overlap.
   void stir_sleepers() noexcept;
-  void collect(double margin);
+  void collect(double margin, const Executor& executor);
+  void find_boxes(const Executor& executor);
   void find_fresh_pairs(double margin);
   void find_fresh_half_spaces(std::uint32_t body, bool outdated_ones, double margin);
   template <class Visit>
@@ -140,19 +144,17 @@ class World::State {
   void prepare_merge();
   void merge_pairs() noexcept;
   void note_collected() noexcept;
-  bool allowed(const Body& a, const Body& b) const noexcept;
+  static bool allowed(const Rule& a, const Rule& b) noexcept;
   bool is_active(std::uint32_t body) const noexcept;
   bool is_active(std::uint64_t key) const noexcept;
-  bool is_outdated(std::uint64_t key) const noexcept;
-  bool is_same(std::uint32_t body) const noexcept;
-  bool is_same(std::uint64_t key) const noexcept;
+  void note_status();
+  std::uint8_t status(std::uint64_t key) const noexcept;
   Ended ended(std::uint64_t key) const noexcept;
 
   double margin_of(const Pair& pair, double margin) const noexcept;
   bool is_current(const Pair& pair) const noexcept;
   // Tasks of a search call these at the same time, for different pairs.
-  bool boxes_are_apart(const Pair& pair, double margin) noexcept;
-  Eigen::AlignedBox3d tight_box(std::uint32_t body) noexcept;
+  bool boxes_are_apart(const Pair& pair, double margin) const noexcept;
   Verdict ask(const Pair& pair, PairOptions options) const noexcept;
   template <class Visit>
   void for_each_triangle_pair(const Pair& pair, double margin, Visit&& visit) const;
@@ -166,6 +168,7 @@ class World::State {
   std::vector<Plane> planes_;
   std::vector<Body> bodies_;
   std::vector<Bounds> bounds_;
+  std::vector<Rule> rules_;
   // Added, removed, woken, or out of their place in the tree since pairs were collected.
   std::vector<std::uint8_t> outdated_, outdated_planes_;
   std::vector<BodyId> collected_;              // whose pairs are known
