@@ -62,22 +62,6 @@ BoxLanes::BoxLanes() noexcept {
   for (int lane = 0; lane < width; ++lane) clear(lane);
 }
 
-void BoxLanes::set(int lane, const FloatBox& box) noexcept {
-  for (int k = 0; k < 3; ++k) {
-    lower[k][lane] = box.lower[k];
-    upper[k][lane] = box.upper[k];
-  }
-}
-
-FloatBox BoxLanes::at(int lane) const noexcept {
-  FloatBox box;
-  for (int k = 0; k < 3; ++k) {
-    box.lower[k] = lower[k][lane];
-    box.upper[k] = upper[k][lane];
-  }
-  return box;
-}
-
 FloatBox BoxLanes::merged() const noexcept {
   FloatBox result = empty_box();
   for (int k = 0; k < 3; ++k) {
@@ -105,6 +89,7 @@ BoxTree::Leaf BoxTree::insert(const FloatBox& box, std::uint32_t item) {
   }
   leaves_[leaf] = {box, item, slots(), none};
   order_.push_back(leaf);
+  items_.push_back(item);
   ++size_;
   ++loose_;
   touch(leaf);
@@ -125,6 +110,7 @@ void BoxTree::make_room_for(std::size_t slots, std::size_t leaves) {
   make_room(moved_, leaves);
   make_room(centres_, leaves);
   make_room(order_, slots);
+  make_room(items_, slots);
   std::size_t nodes = nodes_for(slots);
   make_room(moved_lanes_, nodes);
   for (int k = 0; k < most_levels && nodes > 0; ++k, nodes = nodes > 1 ? nodes_for(nodes) : 0) {
@@ -202,8 +188,10 @@ void BoxTree::order_leaves() noexcept {
   }
   split(0, centres_.size());
   order_.resize(centres_.size());
+  items_.resize(centres_.size());
   for (std::size_t slot = 0; slot < centres_.size(); ++slot) {
     order_[slot] = centres_[slot].leaf;
+    items_[slot] = item(centres_[slot].leaf);
     leaves_[centres_[slot].leaf].slot = static_cast<std::int32_t>(slot);
   }
   for (int k = 0; k < height_; ++k) {
@@ -307,6 +295,7 @@ std::string BoxTree::defect() const {
     const std::string name = "leaf " + std::to_string(leaf) + ": ";
     ++used;
     if (leaves_[leaf].slot != slot) return name + "in another slot";
+    if (items_[slot] != item(leaf)) return name + "another item than in its slot";
     if (!has_moved(leaf)) continue;
     ++moved;
     if (moved_[leaves_[leaf].moved] != leaf) return name + "not among the moved ones";

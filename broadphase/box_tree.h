@@ -41,9 +41,21 @@ struct alignas(64) BoxLanes {
   std::array<std::array<float, width>, 3> lower{}, upper{};
 
   BoxLanes() noexcept;  ///< all empty
-  void set(int lane, const FloatBox& box) noexcept;
+  void set(int lane, const FloatBox& box) noexcept {
+    for (int k = 0; k < 3; ++k) {
+      lower[k][lane] = box.lower[k];
+      upper[k][lane] = box.upper[k];
+    }
+  }
   void clear(int lane) noexcept { set(lane, empty_box()); }
-  FloatBox at(int lane) const noexcept;
+  FloatBox at(int lane) const noexcept {
+    FloatBox box;
+    for (int k = 0; k < 3; ++k) {
+      box.lower[k] = lower[k][lane];
+      box.upper[k] = upper[k][lane];
+    }
+    return box;
+  }
   FloatBox merged() const noexcept;
 
  private:
@@ -92,7 +104,8 @@ class BoxTree {
   void query(const FloatBox& box, Visit&& visit) const {
     const auto each = [&](std::int32_t node, unsigned lanes) {
       for (; lanes != 0; lanes &= lanes - 1) {
-        if (const Leaf leaf = order_[BoxLanes::width * node + std::countr_zero(lanes)]; leaf != none) visit(item(leaf));
+        const int slot = BoxLanes::width * node + std::countr_zero(lanes);
+        if (order_[slot] != none) visit(items_[slot]);
       }
     };
     search(box, call<decltype(each), std::int32_t, unsigned>, &each);
@@ -106,9 +119,8 @@ class BoxTree {
     const auto each = [&](std::int32_t a, std::int32_t b, std::uint64_t lanes) {
       for (; lanes != 0; lanes &= lanes - 1) {
         const int bit = std::countr_zero(lanes);
-        const Leaf x = order_[BoxLanes::width * a + bit / BoxLanes::width];
-        const Leaf y = order_[BoxLanes::width * b + bit % BoxLanes::width];
-        if (x != none && y != none) visit(item(x), item(y));
+        const int x = BoxLanes::width * a + bit / BoxLanes::width, y = BoxLanes::width * b + bit % BoxLanes::width;
+        if (order_[x] != none && order_[y] != none) visit(items_[x], items_[y]);
       }
     };
     search_moved(margin, call<decltype(each), std::int32_t, std::int32_t, std::uint64_t>, &each);
@@ -158,6 +170,7 @@ class BoxTree {
   std::vector<Entry> leaves_;  // by Leaf
   std::vector<Leaf> moved_;
   std::vector<Leaf> order_;                                   // by slot; none: empty
+  std::vector<std::uint32_t> items_;                          // the same
   std::array<std::vector<BoxLanes>, most_levels> levels_;     // 0: slots
   std::array<std::vector<std::uint8_t>, most_levels> dirty_;  // nodes of which a lane has changed
   std::vector<std::uint8_t> moved_lanes_;                     // bits, of the nodes of level 0

@@ -161,7 +161,7 @@ BodyId World::State::add_body(ShapeId shape, const Eigen::Isometry3d& pose, cons
   const Bounds bounds{world_box(*shapes_[index(shape)].shape, body.motion), own_margin(body), 0};
   prepare_put(bodies_);
   prepare_put(bounds_);
-  prepare_put(rules_);
+  prepare_put(traits_);
   prepare_put(outdated_);
   prepare_put(collected_);
   make_room(removed_, bodies_.size() + 1);
@@ -169,7 +169,7 @@ BodyId World::State::add_body(ShapeId shape, const Eigen::Isometry3d& pose, cons
   body.leaf = tree_.insert(tree_box(bounds), index(id));
   put(bodies_, index(id), body);
   put(bounds_, index(id), bounds);
-  put(rules_, index(id), Rule{});
+  put(traits_, index(id), std::uint8_t{0});
   if (index(id) == outdated_.size()) {
     outdated_.push_back(0);
     collected_.push_back(BodyId::none);
@@ -246,7 +246,8 @@ void World::State::set_awake(BodyId id, bool awake) {
   check_unlocked();
   if (body(id).options.kind == BodyKind::static_ || body(id).awake == awake) return;
   const std::uint32_t n = index(id);
-  bodies_[n].awake = rules_[n].awake = awake;
+  bodies_[n].awake = awake;
+  traits_[n] ^= is_awake;
   if (awake) {
     tree_.touch(bodies_[n].leaf);
     outdated_[n] |= outdated;
@@ -270,7 +271,9 @@ void World::State::update(std::uint32_t n) noexcept {
   const Body& body = bodies_[n];
   bounds_[n].margin = own_margin(body);
   bounds_[n].changed_at = ++clock_;
-  rules_[n] = {body.options.filter, body.options.group, body.options.kind, body.awake};
+  const BodyOptions& o = body.options;
+  const bool plain = o.kind == BodyKind::dynamic && o.group == 0 && o.filter.category != 0 && ~o.filter.mask == 0;
+  traits_[n] = static_cast<std::uint8_t>((body.awake ? is_awake : 0) | (plain ? is_plain : 0));
   tree_.touch(body.leaf);
   outdated_[n] |= outdated;
   if (!body.awake) has_stirred_ = true;

@@ -22,14 +22,16 @@ Eigen::AlignedBox3d in_double(const FloatBox& box) {
 
 // ---- What is true of a pair ----------------------------------------------
 
-bool World::State::allowed(const Rule& a, const Rule& b) noexcept {
+bool World::State::allowed(std::uint32_t n, std::uint32_t m) const noexcept {
+  if ((traits_[n] & traits_[m] & is_plain) != 0) return true;
+  const BodyOptions &a = bodies_[n].options, &b = bodies_[m].options;
   if (a.kind != BodyKind::dynamic && b.kind != BodyKind::dynamic) return false;
   if (a.group != 0 && a.group == b.group) return a.group > 0;
   return masks_allow(a.filter, b.filter);
 }
 
 bool World::State::is_active(std::uint32_t n) const noexcept {
-  return rules_[n].awake || bounds_[n].changed_at > searched_at_;
+  return (traits_[n] & is_awake) != 0 || bounds_[n].changed_at > searched_at_;
 }
 
 bool World::State::is_active(std::uint64_t key) const noexcept {
@@ -73,13 +75,14 @@ World::State::Ended World::State::ended(std::uint64_t key) const noexcept {
 // ---- Pairs that are not known yet ----------------------------------------
 
 void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, double margin) {
-  if (rules_[n].kind != BodyKind::dynamic) return;
+  const BodyOptions& options = bodies_[n].options;
+  if (options.kind != BodyKind::dynamic) return;
   const Eigen::AlignedBox3d box = in_double(tree_.box(bodies_[n].leaf));
   for (std::uint32_t p = 0; p < planes_.size(); ++p) {
     if (!plane_ids_.is_used(p) || (outdated_ones && outdated_planes_[p] == 0)) continue;
     const std::uint64_t key = pair_key(n, half_space_bit | p);
     // The box holds the body's margin already; twice is safe.
-    if (masks_allow(rules_[n].filter, planes_[p].filter) && is_active(key) &&
+    if (masks_allow(options.filter, planes_[p].filter) && is_active(key) &&
         !box_beyond(box, planes_[p].half_space, margin + bounds_[n].margin)) {
       scratch_.fresh.push_back(key);
     }
@@ -89,7 +92,10 @@ void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, d
 void World::State::find_fresh_pairs(double margin) {
   scratch_.fresh.clear();
   tree_.query_moved_pairs(margin * (1 + 1e-12), [&](std::uint32_t a, std::uint32_t b) {
-    if (allowed(rules_[a], rules_[b]) && (is_active(a) || is_active(b))) scratch_.fresh.push_back(pair_key(a, b));
+    if (!allowed(a, b) || !(is_active(a) || is_active(b))) return;
+    // Now, while the boxes are at hand: here pairs come in the order of places.
+    const std::uint64_t key = pair_key(a, b);
+    if (!boxes_are_apart(key, margin_of(key, margin))) scratch_.fresh.push_back(key);
   });
   for (const BoxTree::Leaf leaf : tree_.moved()) find_fresh_half_spaces(tree_.item(leaf), false, margin);
   if (has_outdated_planes_) {
@@ -124,9 +130,9 @@ void World::State::prepare_merge() {
   for_each_woken([&](std::uint32_t owner) { woken += sleeping_.count(owner); });
   for (const Pair& pair : pairs_) {
     if (!pair.candidate) continue;
-    const std::uint8_t now = status(pair.key);
-    if ((now & still_same) != 0 && (now & active) == 0) ++asleep;
-    if ((now & still_same) == 0 || (now & outdated) != 0) ++ended;
+    const std::uint8_t is = status(pair.key);
+    if ((is & still_same) != 0 && (is & active) == 0) ++asleep;
+    if ((is & still_same) == 0 || (is & outdated) != 0) ++ended;
   }
   make_room(scratch_.woken, woken);
   make_room(scratch_.merged, pairs_.size() + woken + scratch_.fresh.size());
@@ -135,28 +141,33 @@ void World::State::prepare_merge() {
 }
 
 /// Brings together what was known, of pairs that are awake and of those that wake, with what was found: all sorted.
-void World::State::merge_pairs() noexcept {
+/// `tested`: boxes of fresh pairs of bodies are known not to be apart.
+void World::State::merge_pairs(bool tested) noexcept {
+  const std::uint64_t now = ++clock_;
   std::vector<Pair>& merged = scratch_.merged;
   merged.clear();
   auto fresh = scratch_.fresh.cbegin();
   const auto fresh_end = scratch_.fresh.cend();
+  const auto add = [&](std::uint64_t key, bool candidate) {
+    merged.push_back({.key = key, .tested_at = tested && !has_half_space(key) ? now : 0, .candidate = candidate});
+  };
   const auto settle = [&](const Pair& known) {
-    for (; fresh != fresh_end && *fresh < known.key; ++fresh) merged.push_back({.key = *fresh});
-    const std::uint8_t now = status(known.key);
-    if ((now & still_same) == 0) {
+    for (; fresh != fresh_end && *fresh < known.key; ++fresh) add(*fresh, false);
+    const std::uint8_t is = status(known.key);
+    if ((is & still_same) == 0) {
       if (known.candidate) ended_.push_back(ended(known.key));
       return;  // what was found is another pair
     }
-    if ((now & active) == 0) {
+    if ((is & active) == 0) {
       if (known.candidate) sleeping_.add(known.key);
       return;
     }
     const bool found = fresh != fresh_end && *fresh == known.key;
     if (found) ++fresh;
-    if ((now & outdated) == 0) {
+    if ((is & outdated) == 0) {
       merged.push_back(known);
     } else if (found) {
-      merged.push_back({.key = known.key, .candidate = known.candidate});
+      add(known.key, known.candidate);
     } else if (known.candidate) {
       ended_.push_back(ended(known.key));
     }
@@ -172,10 +183,9 @@ void World::State::merge_pairs() noexcept {
     settle(pair);
   }
   for (; next != woken.cend(); ++next) settle({.key = *next, .candidate = true});
-  for (; fresh != fresh_end; ++fresh) merged.push_back({.key = *fresh});
+  for (; fresh != fresh_end; ++fresh) add(*fresh, false);
   pairs_.swap(merged);
   std::sort(ended_.begin(), ended_.end());
-  ++clock_;
 }
 
 void World::State::note_collected() noexcept {
@@ -242,7 +252,7 @@ void World::State::collect(double margin, const Executor& executor) {
   find_boxes(executor);
   find_fresh_pairs(collected_margin_);
   prepare_merge();
-  merge_pairs();
+  merge_pairs(margin == collected_margin_);
   note_collected();
 }
 

@@ -31,17 +31,18 @@ constexpr double rounded_up = 1 + 8 * std::numeric_limits<double>::epsilon();
 
 // ---- One pair ------------------------------------------------------------
 
-double World::State::margin_of(const Pair& pair, double margin) const noexcept {
-  const double sum = margin + bounds_[first_of(pair.key)].margin;
-  return rounded_up * (has_half_space(pair.key) ? sum : sum + bounds_[second_of(pair.key)].margin);
+double World::State::margin_of(std::uint64_t key, double margin) const noexcept {
+  const double sum = margin + bounds_[first_of(key)].margin;
+  return rounded_up * (has_half_space(key) ? sum : sum + bounds_[second_of(key)].margin);
 }
 
 bool World::State::is_current(const Pair& pair) const noexcept { return pair.tested_at > options_changed_at_; }
 
-bool World::State::boxes_are_apart(const Pair& pair, double margin) const noexcept {
-  const Eigen::AlignedBox3d& box = bounds_[first_of(pair.key)].box;
-  if (has_half_space(pair.key)) return box_beyond(box, planes_[half_space_of(pair.key)].half_space, margin);
-  return boxes_apart(box, bounds_[second_of(pair.key)].box, margin);
+bool World::State::boxes_are_apart(std::uint64_t key, double margin) const noexcept {
+  const Eigen::AlignedBox3d& a = bounds_[first_of(key)].box;
+  if (has_half_space(key)) return box_beyond(a, planes_[half_space_of(key)].half_space, margin);
+  const Eigen::AlignedBox3d& b = bounds_[second_of(key)].box;
+  return !a.intersects(b) && boxes_apart(a, b, margin);
 }
 
 CandidatePair World::State::candidate(const Pair& pair) const noexcept {
@@ -59,7 +60,7 @@ CandidatePair World::State::candidate(const Pair& pair) const noexcept {
 Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept {
   const Body& a = bodies_[first_of(pair.key)];
   const Shape& shape_a = *shape_of(a);
-  options.margin = margin_of(pair, options.margin);
+  options.margin = margin_of(pair.key, options.margin);
   options.boxes = false;  // boxes_are_apart() has
   if (has_half_space(pair.key)) {
     return separated(shape_a, a.motion, planes_[half_space_of(pair.key)].half_space, options.margin);
@@ -74,7 +75,7 @@ void World::State::for_each_triangle_pair(const Pair& pair, double margin, Visit
   if (has_half_space(pair.key)) return;
   const Body& a = bodies_[first_of(pair.key)];
   const Body& b = bodies_[second_of(pair.key)];
-  for_each_candidate(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair, margin), visit);
+  for_each_candidate(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair.key, margin), visit);
 }
 
 // ---- Search --------------------------------------------------------------
@@ -104,7 +105,7 @@ class World::State::Search {
  private:
   void test_boxes(Pair& pair) noexcept {
     if (state_.is_current(pair)) return;
-    pair.apart = state_.boxes_are_apart(pair, state_.margin_of(pair, margin_));
+    pair.apart = state_.boxes_are_apart(pair.key, state_.margin_of(pair.key, margin_));
     pair.asked = false;
     pair.tested_at = now_;
   }

@@ -12,7 +12,7 @@ void World::State::assign(const State& other) {
   make_room(planes_, other.planes_.size());
   make_room(bodies_, other.bodies_.size());
   make_room(bounds_, other.bounds_.size());
-  make_room(rules_, other.rules_.size());
+  make_room(traits_, other.traits_.size());
   make_room(outdated_, other.outdated_.size());
   make_room(outdated_planes_, other.outdated_planes_.size());
   make_room(collected_, other.collected_.size());

@@ -78,18 +78,14 @@ class World::State {
 
  private:
   // What every search reads of every body.
-  struct Bounds {
+  struct alignas(64) Bounds {
     Eigen::AlignedBox3d box;  // world_box(), once pairs are collected
     double margin = 0;        // all that is the body's own
     std::uint64_t changed_at = 0;
   };
-  // What says which bodies pair.
-  struct Rule {
-    Filter filter;
-    std::int32_t group = 0;
-    BodyKind kind = BodyKind::dynamic;
-    bool awake = true;
-  };
+  // Bits of traits_.
+  static constexpr std::uint8_t is_awake = 1;
+  static constexpr std::uint8_t is_plain = 2;  // pairs with every other plain body
   struct Pair {
     std::uint64_t key = 0;
     std::uint64_t tested_at = 0;  // the time of what follows; 0 if a body has changed since
@@ -142,19 +138,19 @@ class World::State {
   template <class Visit>
   void for_each_woken(Visit&& visit) const;
   void prepare_merge();
-  void merge_pairs() noexcept;
+  void merge_pairs(bool tested) noexcept;
   void note_collected() noexcept;
-  static bool allowed(const Rule& a, const Rule& b) noexcept;
+  bool allowed(std::uint32_t a, std::uint32_t b) const noexcept;
   bool is_active(std::uint32_t body) const noexcept;
   bool is_active(std::uint64_t key) const noexcept;
   void note_status();
   std::uint8_t status(std::uint64_t key) const noexcept;
   Ended ended(std::uint64_t key) const noexcept;
 
-  double margin_of(const Pair& pair, double margin) const noexcept;
+  double margin_of(std::uint64_t key, double margin) const noexcept;
   bool is_current(const Pair& pair) const noexcept;
   // Tasks of a search call these at the same time, for different pairs.
-  bool boxes_are_apart(const Pair& pair, double margin) const noexcept;
+  bool boxes_are_apart(std::uint64_t key, double margin) const noexcept;
   Verdict ask(const Pair& pair, PairOptions options) const noexcept;
   template <class Visit>
   void for_each_triangle_pair(const Pair& pair, double margin, Visit&& visit) const;
@@ -168,7 +164,7 @@ class World::State {
   std::vector<Plane> planes_;
   std::vector<Body> bodies_;
   std::vector<Bounds> bounds_;
-  std::vector<Rule> rules_;
+  std::vector<std::uint8_t> traits_;  // few bytes, for what is asked of every pair found
   // Added, removed, woken, or out of their place in the tree since pairs were collected.
   std::vector<std::uint8_t> outdated_, outdated_planes_;
   std::vector<BodyId> collected_;              // whose pairs are known
