@@ -58,6 +58,8 @@ CandidatePair World::State::candidate(const Pair& pair) const noexcept {
 }
 
 Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept {
+  // Nothing to ask: what there is of the bodies is not worth fetching.
+  if (!has_half_space(pair.key) && !options.fine && options.cages == CageUse::never) return {};
   const Body& a = bodies_[first_of(pair.key)];
   const Shape& shape_a = *shape_of(a);
   options.margin = margin_of(pair.key, options.margin);
@@ -65,7 +67,6 @@ Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept 
   if (has_half_space(pair.key)) {
     return separated(shape_a, a.motion, planes_[half_space_of(pair.key)].half_space, options.margin);
   }
-  if (!options.fine && options.cages == CageUse::never) return {};
   const Body& b = bodies_[second_of(pair.key)];
   return separated(shape_a, a.motion, *shape_of(b), b.motion, options);
 }
