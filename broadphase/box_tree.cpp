@@ -53,8 +53,8 @@ FloatBox FloatBox::enlarged(double margin) const noexcept {
 
 FloatBox BoxLanes::empty_box() noexcept {
   FloatBox box;
-  box.lower.fill(FloatLimits::infinity());
-  box.upper.fill(-FloatLimits::infinity());
+  box.lower.fill(FloatLimits::quiet_NaN());
+  box.upper.fill(FloatLimits::quiet_NaN());
   return box;
 }
 
@@ -63,9 +63,12 @@ BoxLanes::BoxLanes() noexcept {
 }
 
 FloatBox BoxLanes::merged() const noexcept {
-  FloatBox result = empty_box();
+  FloatBox result;
+  result.lower.fill(FloatLimits::infinity());
+  result.upper.fill(-FloatLimits::infinity());
   for (int k = 0; k < 3; ++k) {
     for (int lane = 0; lane < width; ++lane) {
+      // In this order, what is not a number is left out.
       result.lower[k] = std::min(result.lower[k], lower[k][lane]);
       result.upper[k] = std::max(result.upper[k], upper[k][lane]);
     }

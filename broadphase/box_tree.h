@@ -59,7 +59,7 @@ struct alignas(64) BoxLanes {
   FloatBox merged() const noexcept;
 
  private:
-  /// Neutral when merged, and apart from every box that is not infinite.
+  /// Not a number: neutral when merged, and apart from every box.
   static FloatBox empty_box() noexcept;
 };
 
@@ -104,8 +104,7 @@ class BoxTree {
   void query(const FloatBox& box, Visit&& visit) const {
     const auto each = [&](std::int32_t node, unsigned lanes) {
       for (; lanes != 0; lanes &= lanes - 1) {
-        const int slot = BoxLanes::width * node + std::countr_zero(lanes);
-        if (order_[slot] != none) visit(items_[slot]);
+        visit(items_[BoxLanes::width * node + std::countr_zero(lanes)]);
       }
     };
     search(box, call<decltype(each), std::int32_t, unsigned>, &each);
@@ -119,8 +118,7 @@ class BoxTree {
     const auto each = [&](std::int32_t a, std::int32_t b, std::uint64_t lanes) {
       for (; lanes != 0; lanes &= lanes - 1) {
         const int bit = std::countr_zero(lanes);
-        const int x = BoxLanes::width * a + bit / BoxLanes::width, y = BoxLanes::width * b + bit % BoxLanes::width;
-        if (order_[x] != none && order_[y] != none) visit(items_[x], items_[y]);
+        visit(items_[BoxLanes::width * a + bit / BoxLanes::width], items_[BoxLanes::width * b + bit % BoxLanes::width]);
       }
     };
     search_moved(margin, call<decltype(each), std::int32_t, std::int32_t, std::uint64_t>, &each);

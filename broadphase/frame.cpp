@@ -155,6 +155,10 @@ Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept
     constexpr double infinity = std::numeric_limits<double>::infinity();
     return {Eigen::Vector3d::Constant(-infinity), Eigen::Vector3d::Constant(infinity)};
   }
+  return usable_box(shape, motion);
+}
+
+Eigen::AlignedBox3d usable_box(const Shape& shape, const Motion& motion) noexcept {
   if (!shape.parts.empty()) return compound_box(shape, motion);
   const Eigen::AlignedBox3d start = pose_box(shape, {motion.start, motion.scale});
   return motion.at_rest() ? start : start.merged(pose_box(shape, {motion.end, motion.scale}));

@@ -56,6 +56,9 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
 /// with few vertices; without one that of the body, wider than need be by 2^-8 of its radius at most.
 Eigen::AlignedBox3d pose_box(const Shape& shape, const Placement& at) noexcept;
 
+/// world_box() of a motion that is usable.
+Eigen::AlignedBox3d usable_box(const Shape& shape, const Motion& motion) noexcept;
+
 /// Cheaper and looser: the box of the ball about the local origin. It contains pose_box(). Of a compound, the box of
 /// its turned box.
 Eigen::AlignedBox3d ball_box(const Shape& shape, const Placement& at) noexcept;

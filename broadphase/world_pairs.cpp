@@ -2,10 +2,14 @@
 // Which pairs a world keeps: those whose boxes in the tree overlap.
 #include "broadphase/body_box.h"
 #include "broadphase/chunks.h"
+#include "broadphase/frame.h"
 #include "broadphase/room.h"
 #include "broadphase/world_state.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace encage {
@@ -91,13 +95,28 @@ void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, d
 
 void World::State::find_fresh_pairs(double margin) {
   scratch_.fresh.clear();
+  // Boxes are compared here, where pairs come in the order of places, and some pairs after their boxes were asked for.
+  std::array<std::uint64_t, 32> waiting;
+  std::size_t count = 0;
+  const auto look = [&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint64_t key = waiting[i];
+      const std::uint32_t a = first_of(key), b = second_of(key);
+      if (!allowed(a, b) || !(is_active(a) || is_active(b))) continue;
+      if (!boxes_are_apart(key, margin_of(key, margin))) scratch_.fresh.push_back(key);
+    }
+    count = 0;
+  };
   tree_.query_moved_pairs(margin * (1 + 1e-12), [&](std::uint32_t a, std::uint32_t b) {
-    if (!allowed(a, b) || !(is_active(a) || is_active(b))) return;
-    // Now, while the boxes are at hand: here pairs come in the order of places.
-    const std::uint64_t key = pair_key(a, b);
-    if (!boxes_are_apart(key, margin_of(key, margin))) scratch_.fresh.push_back(key);
+    hwy::Prefetch(&bounds_[a]);
+    hwy::Prefetch(&bounds_[b]);
+    waiting[count++] = pair_key(a, b);
+    if (count == waiting.size()) look();
   });
-  for (const BoxTree::Leaf leaf : tree_.moved()) find_fresh_half_spaces(tree_.item(leaf), false, margin);
+  look();
+  if (plane_ids_.size() > 0) {
+    for (const BoxTree::Leaf leaf : tree_.moved()) find_fresh_half_spaces(tree_.item(leaf), false, margin);
+  }
   if (has_outdated_planes_) {
     for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
       if (outdated_[n] == 0 && body_ids_.is_used(n)) find_fresh_half_spaces(n, true, margin);
@@ -224,7 +243,7 @@ void World::State::find_boxes(const Executor& executor) {
   const std::span<const BoxTree::Leaf> moved = tree_.moved();
   const auto find = [&](std::size_t i) {
     const std::uint32_t n = tree_.item(moved[i]);
-    bounds_[n].box = world_box(*shape_of(bodies_[n]), bodies_[n].motion);
+    bounds_[n].box = usable_box(*shape_of(bodies_[n]), bodies_[n].motion);
     return true;
   };
   constexpr std::size_t many = 64;

@@ -21,9 +21,8 @@ class Encage : public Engine {
 
   void step(const Frame& frame, std::vector<PairKey>& pairs) override {
     for (const std::uint32_t n : frame.moved) world_.set_motion(bodies_[n], frame.motions[n]);
-    world_.find_candidates(options_, [&](const CandidatePair& pair) {
-      pairs.push_back(pair_key(static_cast<std::uint32_t>(pair.a), static_cast<std::uint32_t>(pair.b)));
-    });
+    world_.find_candidates(options_,
+                           [&](const CandidatePair& pair) { pairs.push_back(pair_key(index(pair.a), index(pair.b))); });
   }
 
  private:
