@@ -273,7 +273,8 @@ void World::State::update(std::uint32_t n) noexcept {
   bounds_[n].changed_at = ++clock_;
   const BodyOptions& o = body.options;
   const bool plain = o.kind == BodyKind::dynamic && o.group == 0 && o.filter.category != 0 && ~o.filter.mask == 0;
-  traits_[n] = static_cast<std::uint8_t>((body.awake ? is_awake : 0) | (plain ? is_plain : 0));
+  traits_[n] = static_cast<std::uint8_t>((body.awake ? is_awake : 0) | (plain ? is_plain : 0) |
+                                         (shape_of(body)->parts.empty() ? 0 : is_compound));
   tree_.touch(body.leaf);
   outdated_[n] |= outdated;
   if (!body.awake) has_stirred_ = true;

@@ -59,7 +59,10 @@ CandidatePair World::State::candidate(const Pair& pair) const noexcept {
 
 Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept {
   // Nothing to ask: what there is of the bodies is not worth fetching.
-  if (!has_half_space(pair.key) && !options.fine && options.cages == CageUse::never) return {};
+  if (!has_half_space(pair.key) && !options.fine && options.cages == CageUse::never &&
+      ((traits_[first_of(pair.key)] | traits_[second_of(pair.key)]) & is_compound) == 0) {
+    return {};
+  }
   const Body& a = bodies_[first_of(pair.key)];
   const Shape& shape_a = *shape_of(a);
   options.margin = margin_of(pair.key, options.margin);

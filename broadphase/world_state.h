@@ -86,6 +86,7 @@ class World::State {
   // Bits of traits_.
   static constexpr std::uint8_t is_awake = 1;
   static constexpr std::uint8_t is_plain = 2;  // pairs with every other plain body
+  static constexpr std::uint8_t is_compound = 4;
   struct Pair {
     std::uint64_t key = 0;
     std::uint64_t tested_at = 0;  // the time of what follows; 0 if a body has changed since
