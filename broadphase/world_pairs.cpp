@@ -34,6 +34,13 @@ bool World::State::allowed(std::uint32_t n, std::uint32_t m) const noexcept {
   return masks_allow(a.filter, b.filter);
 }
 
+bool World::State::allowed(std::uint64_t key) const noexcept {
+  const std::uint32_t n = first_of(key);
+  if (!has_half_space(key)) return allowed(n, second_of(key));
+  const BodyOptions& options = bodies_[n].options;
+  return options.kind == BodyKind::dynamic && masks_allow(options.filter, planes_[half_space_of(key)].filter);
+}
+
 bool World::State::is_active(std::uint32_t n) const noexcept {
   return (traits_[n] & is_awake) != 0 || bounds_[n].changed_at > searched_at_;
 }
@@ -72,8 +79,8 @@ std::uint8_t World::State::status(std::uint64_t key) const noexcept {
 
 World::State::Ended World::State::ended(std::uint64_t key) const noexcept {
   const BodyId a = collected_[first_of(key)];
-  if (has_half_space(key)) return {key, a, BodyId::none, collected_planes_[half_space_of(key)]};
-  return {key, a, collected_[second_of(key)], HalfSpaceId::none};
+  if (has_half_space(key)) return {key, a, BodyId::none, collected_planes_[half_space_of(key)], false};
+  return {key, a, collected_[second_of(key)], HalfSpaceId::none, false};
 }
 
 // ---- Pairs that are not known yet ----------------------------------------
@@ -189,6 +196,7 @@ void World::State::merge_pairs(bool tested) noexcept {
       add(known.key, known.candidate);
     } else if (known.candidate) {
       ended_.push_back(ended(known.key));
+      ended_.back().apart = allowed(known.key);
     }
   };
 

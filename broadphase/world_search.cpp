@@ -251,7 +251,11 @@ class World::State::Search {
     while (state_.ended_visited_ < ended.size() && ended[state_.ended_visited_].key <= key) {
       const Ended& pair = ended[state_.ended_visited_++];
       if (options_.ended) {
-        options_.ended({.a = pair.a, .b = pair.b, .half_space = pair.half_space, .event = PairEvent::end});
+        options_.ended({.a = pair.a,
+                        .b = pair.b,
+                        .half_space = pair.half_space,
+                        .event = PairEvent::end,
+                        .verdict = {pair.apart, Stage::box, -1}});
       }
     }
   }

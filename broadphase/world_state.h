@@ -102,6 +102,7 @@ class World::State {
     std::uint64_t key = 0;
     BodyId a{}, b{};
     HalfSpaceId half_space{};
+    bool apart = false;  // boxes are
     friend auto operator<=>(const Ended&, const Ended&) = default;
   };
   // Nothing that outlasts a call: not copied.
@@ -142,6 +143,7 @@ class World::State {
   void merge_pairs(bool tested) noexcept;
   void note_collected() noexcept;
   bool allowed(std::uint32_t a, std::uint32_t b) const noexcept;
+  bool allowed(std::uint64_t key) const noexcept;
   bool is_active(std::uint32_t body) const noexcept;
   bool is_active(std::uint64_t key) const noexcept;
   void note_status();

@@ -110,7 +110,7 @@ struct CandidateStatistics {
   std::array<std::int64_t, 3> separated{};  ///< of these, proven separated, by Stage
   std::int64_t candidates = 0;              ///< of these, what is left
   std::int64_t asked = 0;                   ///< pairs tested in this search; the others had been, in an earlier one
-  /// Pairs that the search went through: allowed, not asleep, with enlarged boxes that overlap.
+  /// Pairs that the search went through: allowed, not asleep, boxes that overlap, or do at the largest margin so far.
   std::int64_t listed = 0;
 };
 
