@@ -50,21 +50,25 @@ bool World::State::is_active(std::uint64_t key) const noexcept {
   return has_half_space(key) ? planes_[half_space_of(key)].changed_at > searched_at_ : is_active(second_of(key));
 }
 
-/// What merging asks of bodies many times.
+std::uint8_t World::State::status(std::uint32_t n) const noexcept {
+  // `still_same`: the body of this index is still the one whose pairs are known.
+  return static_cast<std::uint8_t>((body_ids_.contains(collected_[n]) ? still_same : 0) | (is_active(n) ? active : 0) |
+                                   (outdated_[n] != 0 ? outdated : 0));
+}
+
+/// What merging asks of bodies many times, where it does.
 void World::State::note_status() {
   std::vector<std::uint8_t>& all = scratch_.status;
+  all.clear();
+  if (pairs_.size() < bodies_.size() / 4) return;
   make_room(all, bodies_.size());
-  all.resize(bodies_.size());
-  for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
-    // `still_same`: the body of this index is still the one whose pairs are known.
-    all[n] = static_cast<std::uint8_t>((body_ids_.contains(collected_[n]) ? still_same : 0) |
-                                       (is_active(n) ? active : 0) | (outdated_[n] != 0 ? outdated : 0));
-  }
+  for (std::uint32_t n = 0; n < bodies_.size(); ++n) all.push_back(status(n));
 }
 
 /// `still_same` if both are, the others if one is.
 std::uint8_t World::State::status(std::uint64_t key) const noexcept {
-  const std::uint8_t a = scratch_.status[first_of(key)];
+  const auto of = [this](std::uint32_t n) { return scratch_.status.empty() ? status(n) : scratch_.status[n]; };
+  const std::uint8_t a = of(first_of(key));
   std::uint8_t b = 0;
   if (has_half_space(key)) {
     const std::uint32_t p = half_space_of(key);
@@ -72,7 +76,7 @@ std::uint8_t World::State::status(std::uint64_t key) const noexcept {
                                   (planes_[p].changed_at > searched_at_ ? active : 0) |
                                   (outdated_planes_[p] != 0 ? outdated : 0));
   } else {
-    b = scratch_.status[second_of(key)];
+    b = of(second_of(key));
   }
   return static_cast<std::uint8_t>((a & b & still_same) | ((a | b) & (active | outdated)));
 }

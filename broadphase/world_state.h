@@ -147,6 +147,7 @@ class World::State {
   bool is_active(std::uint32_t body) const noexcept;
   bool is_active(std::uint64_t key) const noexcept;
   void note_status();
+  std::uint8_t status(std::uint32_t body) const noexcept;
   std::uint8_t status(std::uint64_t key) const noexcept;
   Ended ended(std::uint64_t key) const noexcept;
 
