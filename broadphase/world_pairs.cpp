@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace encage {
 namespace {
@@ -33,6 +34,13 @@ bool World::State::allowed(std::uint32_t n, std::uint32_t m) const noexcept {
   return masks_allow(a.filter, b.filter);
 }
 
+bool World::State::allowed(std::uint64_t key) const noexcept {
+  const std::uint32_t n = first_of(key);
+  if (!has_half_space(key)) return allowed(n, second_of(key));
+  const BodyOptions& options = bodies_[n].options;
+  return options.kind == BodyKind::dynamic && masks_allow(options.filter, planes_[half_space_of(key)].filter);
+}
+
 bool World::State::is_active(std::uint32_t n) const noexcept {
   return (traits_[n] & is_awake) != 0 || bounds_[n].changed_at > searched_at_;
 }
@@ -42,21 +50,25 @@ bool World::State::is_active(std::uint64_t key) const noexcept {
   return has_half_space(key) ? planes_[half_space_of(key)].changed_at > searched_at_ : is_active(second_of(key));
 }
 
-/// What merging asks of bodies many times.
+std::uint8_t World::State::status(std::uint32_t n) const noexcept {
+  // `still_same`: the body of this index is still the one whose pairs are known.
+  return static_cast<std::uint8_t>((body_ids_.contains(collected_[n]) ? still_same : 0) | (is_active(n) ? active : 0) |
+                                   (outdated_[n] != 0 ? outdated : 0));
+}
+
+/// What merging asks of bodies many times, where it does.
 void World::State::note_status() {
   std::vector<std::uint8_t>& all = scratch_.status;
+  all.clear();
+  if (pairs_.size() < bodies_.size() / 4) return;
   make_room(all, bodies_.size());
-  all.resize(bodies_.size());
-  for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
-    // `still_same`: the body of this index is still the one whose pairs are known.
-    all[n] = static_cast<std::uint8_t>((body_ids_.contains(collected_[n]) ? still_same : 0) |
-                                       (is_active(n) ? active : 0) | (outdated_[n] != 0 ? outdated : 0));
-  }
+  for (std::uint32_t n = 0; n < bodies_.size(); ++n) all.push_back(status(n));
 }
 
 /// `still_same` if both are, the others if one is.
 std::uint8_t World::State::status(std::uint64_t key) const noexcept {
-  const std::uint8_t a = scratch_.status[first_of(key)];
+  const auto of = [this](std::uint32_t n) { return scratch_.status.empty() ? status(n) : scratch_.status[n]; };
+  const std::uint8_t a = of(first_of(key));
   std::uint8_t b = 0;
   if (has_half_space(key)) {
     const std::uint32_t p = half_space_of(key);
@@ -64,15 +76,15 @@ std::uint8_t World::State::status(std::uint64_t key) const noexcept {
                                   (planes_[p].changed_at > searched_at_ ? active : 0) |
                                   (outdated_planes_[p] != 0 ? outdated : 0));
   } else {
-    b = scratch_.status[second_of(key)];
+    b = of(second_of(key));
   }
   return static_cast<std::uint8_t>((a & b & still_same) | ((a | b) & (active | outdated)));
 }
 
 World::State::Ended World::State::ended(std::uint64_t key) const noexcept {
   const BodyId a = collected_[first_of(key)];
-  if (has_half_space(key)) return {key, a, BodyId::none, collected_planes_[half_space_of(key)]};
-  return {key, a, collected_[second_of(key)], HalfSpaceId::none};
+  if (has_half_space(key)) return {key, a, BodyId::none, collected_planes_[half_space_of(key)], false};
+  return {key, a, collected_[second_of(key)], HalfSpaceId::none, false};
 }
 
 // ---- Pairs that are not known yet ----------------------------------------
@@ -188,6 +200,7 @@ void World::State::merge_pairs(bool tested) noexcept {
       add(known.key, known.candidate);
     } else if (known.candidate) {
       ended_.push_back(ended(known.key));
+      ended_.back().apart = allowed(known.key);
     }
   };
 
@@ -222,6 +235,19 @@ void World::State::note_collected() noexcept {
     }
   }
   has_stale_pairs_ = has_outdated_planes_ = false;
+}
+
+/// What is left out is looked at once, as if all had changed.
+void World::State::stir_sleepers() noexcept {
+  searched_at_ = 0;
+  left_out_margin_ = std::numeric_limits<double>::infinity();
+  for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
+    // Pairs of static bodies are found by the other one.
+    if (!body_ids_.is_used(n) || bodies_[n].awake || bodies_[n].options.kind == BodyKind::static_) continue;
+    tree_.touch(bodies_[n].leaf);
+    outdated_[n] |= outdated;
+    has_stirred_ = true;
+  }
 }
 
 /// Of the bodies that have changed, by tasks if there are many.

@@ -251,7 +251,11 @@ class World::State::Search {
     while (state_.ended_visited_ < ended.size() && ended[state_.ended_visited_].key <= key) {
       const Ended& pair = ended[state_.ended_visited_++];
       if (options_.ended) {
-        options_.ended({.a = pair.a, .b = pair.b, .half_space = pair.half_space, .event = PairEvent::end});
+        options_.ended({.a = pair.a,
+                        .b = pair.b,
+                        .half_space = pair.half_space,
+                        .event = PairEvent::end,
+                        .verdict = {pair.apart, Stage::box, -1}});
       }
     }
   }
@@ -259,6 +263,7 @@ class World::State::Search {
   void finish() noexcept {
     if (!options_.accept) state_.complete_at_ = now_;
     state_.searched_at_ = now_;
+    state_.left_out_margin_ = std::min(state_.left_out_margin_, margin_);
     state_.has_stale_pairs_ = state_.has_stirred_;
     state_.has_stirred_ = false;
   }
@@ -281,6 +286,7 @@ CandidateStatistics World::State::search(const CandidateOptions& options, void (
   if (const int threads = options.executor.threads; threads < 1) {
     throw Error("candidate options: the number of threads " + std::to_string(threads) + " is not positive");
   }
+  if (options.pair.margin > left_out_margin_) stir_sleepers();
   scratch_.searching = true;
   const Unlock unlock{scratch_.searching};
   collect(options.pair.margin, options.executor);

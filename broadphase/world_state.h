@@ -11,6 +11,7 @@
 #include <encage/world.h>
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,7 @@ class [[gnu::visibility("hidden")]] World::State {
     std::uint64_t key = 0;
     BodyId a{}, b{};
     HalfSpaceId half_space{};
+    bool apart = false;  // boxes are
     friend auto operator<=>(const Ended&, const Ended&) = default;
   };
   // Nothing that outlasts a call: not copied.
@@ -130,6 +132,7 @@ class [[gnu::visibility("hidden")]] World::State {
   void update(std::uint32_t body) noexcept;
 
   // Pairs whose tree boxes overlap.
+  void stir_sleepers() noexcept;
   void collect(double margin, const Executor& executor);
   void find_boxes(const Executor& executor);
   void find_fresh_pairs(double margin);
@@ -140,9 +143,11 @@ class [[gnu::visibility("hidden")]] World::State {
   void merge_pairs(bool tested) noexcept;
   void note_collected() noexcept;
   bool allowed(std::uint32_t a, std::uint32_t b) const noexcept;
+  bool allowed(std::uint64_t key) const noexcept;
   bool is_active(std::uint32_t body) const noexcept;
   bool is_active(std::uint64_t key) const noexcept;
   void note_status();
+  std::uint8_t status(std::uint32_t body) const noexcept;
   std::uint8_t status(std::uint64_t key) const noexcept;
   Ended ended(std::uint64_t key) const noexcept;
 
@@ -174,7 +179,9 @@ class [[gnu::visibility("hidden")]] World::State {
   std::uint64_t clock_ = 0;        // counts changes and searches
   std::uint64_t searched_at_ = 0;  // the last search that came to its end
   std::uint64_t complete_at_ = 0;  // the last one that left no pair unasked
-  bool has_stirred_ = false;       // something is active for having been changed only
+  // The least margin at which pairs have been left out.
+  double left_out_margin_ = std::numeric_limits<double>::infinity();
+  bool has_stirred_ = false;  // something is active for having been changed only
 
   std::vector<Pair> pairs_;  // all that are allowed and whose tree boxes overlap, by key
   SleepingPairs sleeping_;   // candidates that are left out

@@ -57,28 +57,68 @@ void box_tree(benchmark::State& state) {
   state.counters["pairs"] = benchmark::Counter(static_cast<double>(pairs), benchmark::Counter::kAvgIterations);
 }
 
-/// Every body gets a new motion, then all pairs are found whose world boxes are not apart. Items are bodies.
-void collect(benchmark::State& state, const ShapePtr& shape) {
-  const std::vector<Motion> motions = crowd(state.range(0), shape->radius);
-  World world;
-  const ShapeId id = world.add_shape(shape);
-  std::vector<BodyId> bodies;
-  for (const Motion& m : motions) bodies.push_back(world.add_body(id, m.start));
-  CandidateOptions options;
-  options.pair.cages = CageUse::never;
-  options.pair.fine = false;
-  std::int64_t pairs = 0;
-  bool back = false;
-  for (auto _ : state) {
+/// A world of a crowd of one shape that is asked about world boxes alone.
+struct Crowd {
+  Crowd(std::int64_t count, const ShapePtr& shape) : motions(crowd(count, shape->radius)) {
+    options.pair.cages = CageUse::never;
+    options.pair.fine = false;
+    const ShapeId id = world.add_shape(shape);
+    for (const Motion& m : motions) bodies.push_back(world.add_body(id, m.start));
+  }
+
+  /// Every `stride`th body goes on, or back; then the search.
+  void step(std::size_t stride = 1) {
     back = !back;
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t i = 0; i < bodies.size(); i += stride) {
       const Motion& m = motions[i];
       world.set_motion(bodies[i], back ? m : Motion{m.end, m.start});
     }
     pairs += world.find_candidates(options, [](const CandidatePair&) {}).candidates;
   }
-  state.SetItemsProcessed(state.iterations() * state.range(0));
+
+  std::vector<Motion> motions;
+  World world;
+  std::vector<BodyId> bodies;
+  CandidateOptions options;
+  bool back = false;
+  std::int64_t pairs = 0;
+};
+
+void report(benchmark::State& state, std::int64_t items, std::int64_t pairs) {
+  state.SetItemsProcessed(state.iterations() * items);
   state.counters["pairs"] = benchmark::Counter(static_cast<double>(pairs), benchmark::Counter::kAvgIterations);
+}
+
+/// Every body gets a new motion, then all pairs are found whose world boxes are not apart. Items are bodies.
+void collect(benchmark::State& state, const ShapePtr& shape) {
+  Crowd c(state.range(0), shape);
+  for (auto _ : state) c.step();
+  report(state, state.range(0), c.pairs);
+}
+
+/// A hundred bodies move, all others sleep. Items are those that move.
+void sleep(benchmark::State& state, const ShapePtr& shape) {
+  constexpr std::int64_t awake = 100;
+  Crowd c(state.range(0), shape);
+  const auto stride = static_cast<std::size_t>(state.range(0) / awake);
+  for (std::size_t i = 0; i < c.bodies.size(); ++i) c.world.set_awake(c.bodies[i], i % stride == 0);
+  c.step(stride);
+  c.step(stride);
+  c.pairs = 0;
+  for (auto _ : state) c.step(stride);
+  report(state, awake, c.pairs);
+}
+
+/// The state is copied and put back. Items are bodies.
+void rollback(benchmark::State& state, const ShapePtr& shape) {
+  Crowd c(state.range(0), shape);
+  c.step();
+  WorldSnapshot taken;
+  for (auto _ : state) {
+    c.world.snapshot(taken);
+    c.world.restore(taken);
+  }
+  report(state, state.range(0), 0);
 }
 
 }  // namespace
@@ -87,6 +127,14 @@ void add_worlds(const Workload& w) {
   benchmark::RegisterBenchmark("stage/box_tree", box_tree)->Arg(100)->Arg(1'000)->Arg(10'000);
   benchmark::RegisterBenchmark("stage/world_collect", [&w](benchmark::State& state) { collect(state, w.shape); })
       ->Arg(100)
+      ->Arg(1'000)
+      ->Arg(10'000);
+  benchmark::RegisterBenchmark("stage/world_sleep", [&w](benchmark::State& state) { sleep(state, w.shape); })
+      ->Arg(100)
+      ->Arg(1'000)
+      ->Arg(10'000)
+      ->Arg(100'000);
+  benchmark::RegisterBenchmark("stage/world_rollback", [&w](benchmark::State& state) { rollback(state, w.shape); })
       ->Arg(1'000)
       ->Arg(10'000);
 }

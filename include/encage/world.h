@@ -111,8 +111,8 @@ struct CandidateStatistics {
   std::array<std::int64_t, 3> separated{};  ///< of these, proven separated, by Stage
   std::int64_t candidates = 0;              ///< of these, what is left
   std::int64_t asked = 0;                   ///< pairs tested in this search; the others had been, in an earlier one
-  std::int64_t listed =
-      0;  ///< pairs that the search went through: allowed, not asleep, with enlarged boxes that overlap
+  /// Pairs that the search went through: allowed, not asleep, boxes that overlap, or do at the largest margin so far.
+  std::int64_t listed = 0;
 };
 
 class WorldSnapshot;
@@ -124,7 +124,8 @@ class WorldSnapshot;
 /// bodies that are asleep or static (or of one and a half-space) is left out, once it has been searched after the last
 /// change of either, and costs nothing. So nothing is missed: it is as it was. A kinematic body is awake, too, until
 /// it is put to sleep, and its pairs with sleeping bodies are searched. A pair that is left out has no events; when a
-/// body wakes or is changed, the pair persists or ends.
+/// body wakes or is changed, the pair persists or ends. A search with a larger margin than that at which pairs were
+/// left out looks at all of them once.
 ///
 /// Candidates depend on shapes, motions, options and ids alone, not on the
 /// order of calls that led there; events on the candidates of the search before, whatever its options. Bad input throws

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/broadphase/count_allocations.h"
 #include "tests/broadphase/world_twin.h"
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <new>
 
 namespace encage::test {
 namespace {
@@ -138,6 +141,66 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
   }
   const auto next = static_cast<BodyId>(index(removed) | std::uint64_t{1} << 32);
   EXPECT_EQ(world.add_body(shape, shift(0)), next);
+}
+
+/// Lets the call run out of memory at its first allocation, at its second, and so on, until it has enough. Returns how
+/// often it had not.
+int run_out_of_memory(const std::function<void()>& call, const std::function<void()>& check) {
+  for (int failures = 0;; ++failures) {
+    allocations_left = failures;
+    try {
+      call();
+      allocations_left = -1;
+      return failures;
+    } catch (const std::bad_alloc&) {
+      allocations_left = -1;
+      check();
+    }
+  }
+}
+
+TEST(WorldErrors, RunOutOfMemoryAndStayAsTheyAre) {
+  const ShapePtr box = sample_shape("box");
+  World world, undisturbed;
+  const auto both = [&](auto&& change) { change(undisturbed), change(world); };
+  both([&](World& w) {
+    const ShapeId shape = w.add_shape(box);
+    for (int i = 0; i < 3; ++i) w.add_body(shape, shift(0.3 * i));
+    candidates(w);
+    w.remove_body(BodyId{1});
+    w.set_awake(BodyId{2}, false);
+  });
+  std::vector<Found> seen;
+  const auto keep = [&](const CandidatePair& pair) { seen.push_back(found(pair)); };
+  seen.reserve(1000);
+  int failures = 0;
+  for (int step = 0; step < 12; ++step) {
+    const auto counts = [&](const World& w) {
+      return std::array{w.shape_count(), w.body_count(), w.half_space_count()};
+    };
+    const auto check = [&] { EXPECT_EQ(counts(world), counts(undisturbed)); };
+    failures += run_out_of_memory([&] { world.add_shape(box); }, check);
+    undisturbed.add_shape(box);
+    failures += run_out_of_memory([&] { world.add_half_space({Vector::UnitZ(), 0.1 * step}); }, check);
+    undisturbed.add_half_space({Vector::UnitZ(), 0.1 * step});
+    failures += run_out_of_memory([&] { world.add_body(ShapeId{0}, shift(0.4 * step)); }, check);
+    const BodyId last = undisturbed.add_body(ShapeId{0}, shift(0.4 * step));
+    both([&](World& w) {
+      w.set_awake(last, step % 2 == 0);
+      if (step == 7) w.remove_body(BodyId{0});
+    });
+    WorldSnapshot taken;
+    failures += run_out_of_memory([&] { world.snapshot(taken); }, check);
+    World other;
+    failures += run_out_of_memory([&] { other.restore(taken); }, [&] { EXPECT_EQ(other.body_count(), 0); });
+    seen.clear();
+    const CandidateOptions options{.ended = keep};
+    failures += run_out_of_memory([&] { world.find_candidates(options, keep); }, [&] { EXPECT_TRUE(seen.empty()); });
+    const std::vector<Found> expected = events(undisturbed);
+    EXPECT_EQ(seen, expected) << "step " << step;
+    EXPECT_EQ(events(other), expected) << "step " << step;
+  }
+  EXPECT_GT(failures, 100);
 }
 
 TEST(WorldErrors, NameTheGenerationOfAStaleId) {

@@ -218,6 +218,11 @@ class Twin {
     std::vector<Found> all;
     std::set<Found> now;
     left_out_ = 0;
+    if (asked.margin > least_margin_) {
+      for (Entry& e : bodies_) e.changed = true;
+      least_margin_ = asked.margin;
+    }
+    least_margin_ = std::min(least_margin_, asked.margin);
     const auto look = [&](const Entry& x, const auto& y, bool allowed, auto&& verdict) {
       Found f = named(x, y);
       const bool known = candidates_.contains(f);
@@ -388,6 +393,7 @@ class Twin {
   std::vector<Entry> bodies_;
   std::vector<Plane> planes_;
   int left_out_ = 0;
+  double least_margin_ = 1e9;   // at which pairs have been left out
   std::set<Found> candidates_;  // of the search before, with what has been left out since
 };
 
