@@ -35,6 +35,8 @@ PlaneCheck::PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace
 
 bool PlaneCheck::beyond_throughout() const noexcept {
   for (std::size_t end = 0; end < 2; ++end) {
+    // Mostly the ball about the local origin will do.
+    if (height_[end] - surface_.radius() * (1 + 2e-9) > clearance_ + arc_) continue;
     if (!(height_[end] - surface_.scale() * support(*surface_, -normal_[end]) > clearance_ + arc_)) return false;
   }
   return true;

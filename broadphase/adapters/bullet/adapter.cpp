@@ -38,8 +38,9 @@ void for_gimpact_types(F&& f) {
   }
 }
 
-/// Distance beyond the margins within which Bullet may make contacts, or keep them: a point is dropped when it is
-/// farther apart than the threshold along the normal or across, hence at the latest at sqrt 2 of it.
+/// Distance beyond the margins within which an algorithm may make contacts, or keep them: a point is dropped when it
+/// is farther apart than the threshold along the normal or across, hence at the latest at sqrt 2 of it. GImpact
+/// keeps none, and makes none without overlap: 0.
 double contact_distance(const btCollisionShape& a, const btCollisionShape& b, const btManifoldArray& manifolds,
                         const btManifoldResult& result) {
   const btScalar all = gContactBreakingThreshold;
@@ -82,17 +83,18 @@ class BulletAdapter::State final : public btCollisionAlgorithmCreateFunc, public
 
   /// True only if Bullet has no contact between the two shapes.
   bool rejects(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, const btManifoldArray& manifolds,
-               const btManifoldResult& result) noexcept {
+               const btManifoldResult& result, bool gimpact) noexcept {
     const bullet::AttachedMesh* const mesh_a = find(*a.getCollisionShape());
     const bullet::AttachedMesh* const mesh_b = find(*b.getCollisionShape());
     const btStaticPlaneShape* const plane_a = plane(*a.getCollisionShape());
     const btStaticPlaneShape* const plane_b = plane(*b.getCollisionShape());
     if (!(mesh_a && (mesh_b || plane_b)) && !(mesh_b && plane_a)) return false;
-    const double extra = contact_distance(*a.getCollisionShape(), *b.getCollisionShape(), manifolds, result);
+    const double extra =
+        gimpact ? 0 : contact_distance(*a.getCollisionShape(), *b.getCollisionShape(), manifolds, result);
     bool apart = false;
     if (mesh_a && mesh_b) {
-      apart = bullet::proven_apart(*mesh_a, a.getWorldTransform(), *mesh_b, b.getWorldTransform(), extra,
-                                   contacts_ == BulletContacts::all);
+      apart = bullet::proven_apart(*mesh_a, a.getWorldTransform(), *mesh_b, b.getWorldTransform(),
+                                   {.extra = extra, .false_contacts = contacts_ == BulletContacts::all});
     } else if (mesh_a) {
       apart = bullet::proven_apart(*mesh_a, a.getWorldTransform(), *plane_b, b.getWorldTransform(), extra);
     } else {
@@ -130,14 +132,17 @@ class BulletAdapter::State final : public btCollisionAlgorithmCreateFunc, public
 class BulletAdapter::Algorithm final : public btCollisionAlgorithm {
  public:
   Algorithm(std::shared_ptr<State> state, const btCollisionAlgorithmConstructionInfo& info, btCollisionAlgorithm& inner)
-      : btCollisionAlgorithm(info), state_(std::move(state)), inner_(&inner) {}
+      : btCollisionAlgorithm(info),
+        state_(std::move(state)),
+        inner_(&inner),
+        gimpact_(dynamic_cast<btGImpactCollisionAlgorithm*>(&inner)) {}
   ~Algorithm() override { destroy_inner(); }
 
   void processCollision(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
                         const btDispatcherInfo& info, btManifoldResult* result) override {
     btManifoldArray manifolds;
     inner_->getAllContactManifolds(manifolds);
-    if (!state_->rejects(*a, *b, manifolds, *result)) {
+    if (!state_->rejects(*a, *b, manifolds, *result, gimpact_)) {
       inner_->processCollision(a, b, info, result);
     } else if (manifolds.size() > 0) {
       release(*a, *b);
@@ -168,6 +173,7 @@ class BulletAdapter::Algorithm final : public btCollisionAlgorithm {
 
   std::shared_ptr<State> state_;
   btCollisionAlgorithm* inner_;
+  bool gimpact_;  // inner_ is Bullet's own
 };
 
 btCollisionAlgorithm* BulletAdapter::State::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,

@@ -4,8 +4,11 @@
 #include <LinearMath/btTransform.h>
 
 #include <Eigen/Core>
+#include <limits>
 
 namespace encage::bullet {
+
+constexpr double unit_roundoff = std::numeric_limits<btScalar>::epsilon() / 2;
 
 inline Eigen::Vector3d to_eigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 

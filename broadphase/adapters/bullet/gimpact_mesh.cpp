@@ -91,6 +91,24 @@ Eigen::AlignedBox3d measure_vertices(const btGImpactMeshShapePart& part, GImpact
   return box;
 }
 
+/// Whether the part's triangles are the first of the fine mesh; there, caps follow the source's.
+bool faces_match(const btGImpactMeshShapePart& part, const GImpactMesh& measured, const Shape& shape) {
+  const int count = part.getNumChildShapes();
+  if (static_cast<std::size_t>(count) > shape.fine.mesh.triangles.size()) return false;
+  // The source's vertices, or the fine mesh's; each rounded to float, and once more when scaled.
+  const double tolerance = measured.scale * shape.fine_error + 4 * unit_roundoff * measured.radius;
+  for (int t = 0; t < count; ++t) {
+    btPrimitiveTriangle triangle;
+    part.getPrimitiveTriangle(t, triangle);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto vertex = static_cast<std::int32_t>(shape.fine.mesh.triangles[static_cast<std::size_t>(t)][k]);
+      const Eigen::Vector3d fine = measured.scale * (shape.origin + shape.fine.vertex(vertex));
+      if (!((to_eigen(triangle.m_vertices[k]) - fine).norm() <= tolerance)) return false;
+    }
+  }
+  return true;
+}
+
 /// The factor, or 0 if axes or parts differ.
 double uniform_scale(const btGImpactMeshShape& mesh) {
   const double scale = mesh.getMeshPart(0)->getLocalScaling().x();
@@ -101,14 +119,14 @@ double uniform_scale(const btGImpactMeshShape& mesh) {
 }
 
 /// The mesh, in the unit of the asset, has to have the asset's box, if that stores the fine mesh, and to lie in the
-/// finest cage's in any case. Both are rounded to float.
+/// finest cage's in any case. Vertices are rounded to float, the asset's box to 16 bits.
 void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, const Shape& shape) {
   const Eigen::AlignedBox3d box(scaled.min() / measured.scale, scaled.max() / measured.scale);
   const Surface& outer = shape.outer();
   const Eigen::AlignedBox3d asset(outer.lower.cast<double>() + shape.origin, outer.upper.cast<double>() + shape.origin);
   const double tolerance =
       2 * shape.fine_error +
-      1e-6 * (asset.min().cwiseAbs().maxCoeff() + asset.max().cwiseAbs().maxCoeff() + measured.radius / measured.scale);
+      1e-4 * (asset.min().cwiseAbs().maxCoeff() + asset.max().cwiseAbs().maxCoeff() + measured.radius / measured.scale);
   const Eigen::AlignedBox3d wider(asset.min().array() - tolerance, asset.max().array() + tolerance);
   const bool inside = wider.contains(box);
   const bool equal = (asset.min() - box.min()).cwiseAbs().maxCoeff() <= tolerance &&
@@ -141,6 +159,7 @@ GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& shape) {
     const Locked locked(part);
     box.extend(measure_vertices(part, measured));
     measure_boxes(part, measured);
+    measured.faces_match = mesh.getMeshPartCount() == 1 && faces_match(part, measured, shape);
   }
   if (measured.scale > 0) check_box(box, measured, shape);
   return measured;

@@ -18,6 +18,8 @@ struct GImpactMesh {
   /// the same for the box about that box, axis-aligned in any other frame.
   double reach = 0;
   double spread = 0;
+  /// Its triangles are those of the shape's fine mesh, in order and corner by corner, but for rounding to float.
+  bool faces_match = false;
   bool loose_vertices = false;  ///< some are not of a triangle; against planes GImpact looks at these too
 };
 

@@ -2,18 +2,16 @@
 #include "broadphase/adapters/bullet/pair_proof.h"
 
 #include "broadphase/adapters/bullet/convert.h"
+#include "broadphase/adapters/bullet/front_test.h"
 #include "broadphase/shape.h"
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace encage::bullet {
 namespace {
-
-constexpr double unit_roundoff = std::numeric_limits<btScalar>::epsilon() / 2;
 
 /// A rotation near a matrix of btScalar, and how far that is from it (Frobenius norm).
 struct Rotation {
@@ -29,11 +27,11 @@ Rotation nearest_rotation(const btMatrix3x3& basis) {
   return {rotation, (rotation - r).norm()};
 }
 
-Motion resting(const Rotation& rotation, const Eigen::Vector3d& translation) {
+Motion resting(const Rotation& rotation, const Eigen::Vector3d& translation, double scale) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = rotation.matrix;
   pose.translation() = translation;
-  return Motion::resting(pose);
+  return Motion::resting(pose, scale);
 }
 
 /// Bullet's vertices are the source's rounded; in the table of the guarantee.
@@ -45,26 +43,26 @@ constexpr double up = 1 + 1e-12;                  // of these computations thems
 }  // namespace
 
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const AttachedMesh& b,
-                  const btTransform& transform_b, double extra, bool boxes) noexcept {
-  if (a.mesh.scale != 1 || b.mesh.scale != 1) return false;
+                  const btTransform& transform_b, const Question& question) noexcept {
   const Rotation rotation_a = nearest_rotation(transform_a.getBasis());
   const Rotation rotation_b = nearest_rotation(transform_b.getBasis());
   const Eigen::Vector3d at_a = to_eigen(transform_a.getOrigin()), at_b = to_eigen(transform_b.getOrigin());
+  const Motion motion_a = resting(rotation_a, at_a, a.mesh.scale), motion_b = resting(rotation_b, at_b, b.mesh.scale);
   const double radii = a.mesh.radius + b.mesh.radius;
-  double distance = a.mesh.margin + b.mesh.margin + extra;
-  if (boxes) {
-    const double overlap = std::min(a.mesh.reach + b.mesh.spread, a.mesh.spread + b.mesh.reach);
-    distance = std::max(distance, overlap * (1 + 1e-5));
-  }
   const double slack = (rotation_a.skew + rotation_b.skew) * ((at_a - at_b).norm() + radii) +
                        roundings * (at_a.norm() + at_b.norm() + radii) + vertex_error(a) + vertex_error(b);
-  return separated(*a.shape, resting(rotation_a, at_a), *b.shape, resting(rotation_b, at_b), (distance + slack) * up)
-      .separated;
+  const double contact = (a.mesh.margin + b.mesh.margin + question.extra + slack) * up;
+  if (!question.false_contacts) return separated(*a.shape, motion_a, *b.shape, motion_b, contact).separated;
+
+  const double overlap = std::min(a.mesh.reach + b.mesh.spread, a.mesh.spread + b.mesh.reach);
+  const double boxes = std::max(contact, (overlap * (1 + 1e-5) + slack) * up);
+  if (separated(*a.shape, motion_a, *b.shape, motion_b, boxes).separated) return true;
+  return question.extra == 0 && all_in_front(a, motion_a, b, motion_b, boxes, slack);
 }
 
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const btStaticPlaneShape& plane,
                   const btTransform& transform_plane, double extra) noexcept {
-  if (a.mesh.scale != 1 || a.mesh.loose_vertices) return false;
+  if (a.mesh.loose_vertices) return false;
   const Rotation rotation = nearest_rotation(transform_a.getBasis());
   const Eigen::Vector3d at = to_eigen(transform_a.getOrigin()), plane_at = to_eigen(transform_plane.getOrigin());
   const Eigen::Matrix3d turned = to_eigen(transform_plane.getBasis());
@@ -78,7 +76,7 @@ bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const b
   const double margin = a.mesh.margin + static_cast<double>(plane.getMargin()) + extra;
   const double slack = rotation.skew * a.mesh.radius +
                        roundings * (at.norm() + a.mesh.radius + plane_at.norm() + std::abs(constant)) + vertex_error(a);
-  return separated(*a.shape, resting(rotation, at), HalfSpace{normal / length, height / length},
+  return separated(*a.shape, resting(rotation, at, a.mesh.scale), HalfSpace{normal / length, height / length},
                    (margin / length + slack) * up)
       .separated;
 }

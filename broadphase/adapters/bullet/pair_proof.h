@@ -13,10 +13,15 @@ struct AttachedMesh {
   GImpactMesh mesh;
 };
 
-/// True only if Bullet has no contact between the two: they are farther apart than both margins, `extra`, and all
-/// rounding (docs/guarantee.md, "Bullet"); with `boxes` also too far for boxes of triangles to overlap.
+/// What is asked of two meshes beyond their being farther apart than both margins and all rounding.
+struct Question {
+  double extra = 0;             ///< distance beyond the margins
+  bool false_contacts = false;  ///< GImpact's contacts of triangles back to back count as well
+};
+
+/// True only if Bullet has no contact between the two (docs/guarantee.md, "Bullet").
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const AttachedMesh& b,
-                  const btTransform& transform_b, double extra, bool boxes) noexcept;
+                  const btTransform& transform_b, const Question& question) noexcept;
 
 /// The same for a static plane.
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const btStaticPlaneShape& plane,
