@@ -13,12 +13,6 @@
 namespace encage::bullet_bench {
 namespace {
 
-int number(const btCollisionObject& object) { return object.getUserIndex(); }
-
-TouchingPair numbers(const btCollisionObject& a, const btCollisionObject& b) {
-  return std::minmax(number(a), number(b));
-}
-
 /// Asks an oracle, if there is one, before Bullet does.
 class Dispatcher : public btCollisionDispatcher {
  public:
@@ -162,20 +156,7 @@ double OctopusWorld::step(const std::set<TouchingPair>& touching) {
   return world_->world.milliseconds;
 }
 
-std::vector<ContactPoint> OctopusWorld::contacts() const {
-  std::vector<ContactPoint> points;
-  for (int m = 0; m < world_->dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *world_->dispatcher.getManifoldByIndexInternal(m);
-    for (int k = 0; k < manifold.getNumContacts(); ++k) {
-      const btManifoldPoint& p = manifold.getContactPoint(k);
-      const btVector3 &a = p.m_localPointA, &b = p.m_localPointB, &n = p.m_normalWorldOnB;
-      points.push_back({numbers(*manifold.getBody0(), *manifold.getBody1()),
-                        {p.m_partId0, p.m_index0, p.m_partId1, p.m_index1},
-                        {a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), n.x(), n.y(), n.z(), p.getDistance()}});
-    }
-  }
-  return points;
-}
+std::vector<ContactPoint> OctopusWorld::contacts() const { return contact_points(world_->dispatcher); }
 
 std::set<TouchingPair> OctopusWorld::pairs_in_touch() const {
   std::set<TouchingPair> pairs;

@@ -4,36 +4,26 @@
 #include <encage/bullet.h>
 #include <encage/mesh.h>
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "bench/bullet/contact_points.h"
+
 namespace encage::bullet_bench {
 
 /// Bodies of one mesh, about 1 in radius, that tumble in a cube of six static planes.
 struct Scene {
   int bodies = 64;
-  double width = 9;    ///< side of the cube
-  double speed = 2;    ///< at the start, per body, in a random direction
-  double spin = 2;     ///< radians per second, likewise
+  double width = 10;   ///< side of the cube
+  double speed = 1;    ///< at the start, per body, in a random direction
+  double spin = 1;     ///< radians per second, likewise
   double gravity = 0;  ///< downwards
   double margin = 0;   ///< collision margin of the mesh
   double dt = 1.0 / 240;
   unsigned seed = 1;
-};
-
-/// Numbers of bodies; planes come after the meshes. a < b.
-using TouchingPair = std::pair<int, int>;
-
-/// A contact point as Bullet stores it, bit for bit.
-struct ContactPoint {
-  TouchingPair pair;
-  std::array<int, 4> features;  ///< part and triangle of either
-  std::array<float, 10> numbers;
-  friend bool operator==(const ContactPoint&, const ContactPoint&) = default;
 };
 
 /// Who stands in front of the collision algorithms.
@@ -43,7 +33,7 @@ enum class Guard {
   oracle,  ///< knows which pairs will have contacts, at no cost
 };
 
-/// A Bullet world of such a scene.
+/// A Bullet world of such a scene. Bodies are numbered, planes come after meshes.
 class OctopusWorld {
  public:
   OctopusWorld(const TriangleMesh& mesh, const ShapePtr& shape, const Scene& scene, Guard guard,
@@ -55,7 +45,7 @@ class OctopusWorld {
   /// One step of the simulation; CPU milliseconds of performDiscreteCollisionDetection(). An oracle is told `touching`.
   double step(const std::set<TouchingPair>& touching = {});
 
-  std::vector<ContactPoint> contacts() const;     ///< in the order of Bullet's manifolds
+  std::vector<ContactPoint> contacts() const;
   std::set<TouchingPair> pairs_in_touch() const;  ///< with a contact point
   std::vector<float> transforms() const;
   std::pair<std::int64_t, std::int64_t> pairs() const;  ///< overlapping boxes: two meshes; mesh and plane

@@ -49,7 +49,18 @@ double distance_from_centroid(const Eigen::Vector3d& x, const std::array<Eigen::
   return (x - (triangle[0] + triangle[1] + triangle[2]) / 3).norm();
 }
 
-void measure_boxes(const btGImpactMeshShapePart& part, GImpactMesh& measured) {
+/// How far the box of a triangle reaches beyond the fine mesh's triangle of that number.
+double growth_of(const Eigen::AlignedBox3d& box, int triangle, const GImpactMesh& measured, const Shape& shape) {
+  const auto number = static_cast<std::size_t>(triangle);
+  if (number >= shape.fine.mesh.triangles.size()) return std::numeric_limits<double>::infinity();
+  Eigen::AlignedBox3d fine;
+  for (const std::uint32_t v : shape.fine.mesh.triangles[number]) {
+    fine.extend(measured.scale * (shape.origin + shape.fine.vertex(static_cast<std::int32_t>(v))));
+  }
+  return std::max((fine.min() - box.min()).maxCoeff(), (box.max() - fine.max()).maxCoeff());
+}
+
+void measure_boxes(const btGImpactMeshShapePart& part, const Shape& shape, GImpactMesh& measured) {
   const btGImpactBoxSet& tree = *part.getBoxSet();
   for (int node = 0; node < tree.getNodeCount(); ++node) {
     if (!tree.isLeafNode(node)) continue;
@@ -61,6 +72,9 @@ void measure_boxes(const btGImpactMeshShapePart& part, GImpactMesh& measured) {
                                                      to_eigen(t.m_vertices[2])};
     const Eigen::AlignedBox3d box(to_eigen(bound.m_min), to_eigen(bound.m_max));
     measured.reach = std::max(measured.reach, reach_of(box, triangle));
+    const double growth = part.getPart() == 0 ? growth_of(box, tree.getNodeData(node), measured, shape)
+                                              : std::numeric_limits<double>::infinity();
+    measured.growth = std::max(measured.growth, growth);
     // The box about a box that is turned has a diagonal up to sqrt 3 times as long.
     measured.spread = std::max(
         measured.spread, distance_from_centroid(box.center(), triangle) + std::sqrt(3.0) / 2 * box.diagonal().norm());
@@ -89,24 +103,6 @@ Eigen::AlignedBox3d measure_vertices(const btGImpactMeshShapePart& part, GImpact
   }
   measured.loose_vertices |= std::find(used.begin(), used.end(), 0) != used.end();
   return box;
-}
-
-/// Whether the part's triangles are the first of the fine mesh; there, caps follow the source's.
-bool faces_match(const btGImpactMeshShapePart& part, const GImpactMesh& measured, const Shape& shape) {
-  const int count = part.getNumChildShapes();
-  if (static_cast<std::size_t>(count) > shape.fine.mesh.triangles.size()) return false;
-  // The source's vertices, or the fine mesh's; each rounded to float, and once more when scaled.
-  const double tolerance = measured.scale * shape.fine_error + 4 * unit_roundoff * measured.radius;
-  for (int t = 0; t < count; ++t) {
-    btPrimitiveTriangle triangle;
-    part.getPrimitiveTriangle(t, triangle);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto vertex = static_cast<std::int32_t>(shape.fine.mesh.triangles[static_cast<std::size_t>(t)][k]);
-      const Eigen::Vector3d fine = measured.scale * (shape.origin + shape.fine.vertex(vertex));
-      if (!((to_eigen(triangle.m_vertices[k]) - fine).norm() <= tolerance)) return false;
-    }
-  }
-  return true;
 }
 
 /// The factor, or 0 if axes or parts differ.
@@ -158,8 +154,7 @@ GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& shape) {
     measured.margin = std::max(measured.margin, margin);
     const Locked locked(part);
     box.extend(measure_vertices(part, measured));
-    measure_boxes(part, measured);
-    measured.faces_match = mesh.getMeshPartCount() == 1 && faces_match(part, measured, shape);
+    measure_boxes(part, shape, measured);
   }
   if (measured.scale > 0) check_box(box, measured, shape);
   return measured;

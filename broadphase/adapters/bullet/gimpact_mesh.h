@@ -18,8 +18,9 @@ struct GImpactMesh {
   /// the same for the box about that box, axis-aligned in any other frame.
   double reach = 0;
   double spread = 0;
-  /// Its triangles are those of the shape's fine mesh, in order and corner by corner, but for rounding to float.
-  bool faces_match = false;
+  /// Boxes are no wider than those of the fine mesh's triangles of the same number, scaled, by more than this to each
+  /// side; infinite if there is no such triangle.
+  double growth = 0;
   bool loose_vertices = false;  ///< some are not of a triangle; against planes GImpact looks at these too
 };
 

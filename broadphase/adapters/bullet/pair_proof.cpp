@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/adapters/bullet/pair_proof.h"
 
+#include "broadphase/adapters/bullet/box_overlap.h"
 #include "broadphase/adapters/bullet/convert.h"
-#include "broadphase/adapters/bullet/front_test.h"
 #include "broadphase/shape.h"
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
@@ -51,13 +51,13 @@ bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const A
   const double radii = a.mesh.radius + b.mesh.radius;
   const double slack = (rotation_a.skew + rotation_b.skew) * ((at_a - at_b).norm() + radii) +
                        roundings * (at_a.norm() + at_b.norm() + radii) + vertex_error(a) + vertex_error(b);
-  const double contact = (a.mesh.margin + b.mesh.margin + question.extra + slack) * up;
-  if (!question.false_contacts) return separated(*a.shape, motion_a, *b.shape, motion_b, contact).separated;
-
-  const double overlap = std::min(a.mesh.reach + b.mesh.spread, a.mesh.spread + b.mesh.reach);
-  const double boxes = std::max(contact, (overlap * (1 + 1e-5) + slack) * up);
-  if (separated(*a.shape, motion_a, *b.shape, motion_b, boxes).separated) return true;
-  return question.extra == 0 && all_in_front(a, motion_a, b, motion_b, boxes, slack);
+  const double contact = a.mesh.margin + b.mesh.margin + question.extra;
+  const double boxes = std::min(a.mesh.reach + b.mesh.spread, a.mesh.spread + b.mesh.reach) * (1 + 1e-5);
+  const double distance = question.false_contacts ? std::max(contact, boxes) : contact;
+  if (separated(*a.shape, motion_a, *b.shape, motion_b, (distance + slack) * up).separated) return true;
+  if (!question.false_contacts || question.extra > 0) return false;
+  return !boxes_may_overlap({*a.shape, a.mesh.scale, a.mesh.growth}, {*b.shape, b.mesh.scale, b.mesh.growth},
+                            motion_a.start.inverse() * motion_b.start, slack * up);
 }
 
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const btStaticPlaneShape& plane,
