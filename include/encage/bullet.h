@@ -29,7 +29,7 @@ namespace encage {
 enum class BulletContacts : std::uint8_t {
   /// All: a world with the adapter behaves as one without, bit for bit. GImpact's test of two triangles takes what lies
   /// behind a face for inside, at any depth, so that two triangles back to back "touch" where their bounding boxes
-  /// overlap. For such a contact no pair nearer than the boxes of the meshes' largest triangles reach is rejected.
+  /// overlap. So a pair is rejected only if no boxes of triangles overlap.
   all,
   /// Those within the margins; contacts of triangles farther apart are dropped. Rejects more if triangles are large.
   within_margins,
@@ -43,12 +43,12 @@ struct BulletStatistics {
 /// Stands in front of the collision algorithms of a dispatcher that take GImpact shapes. Where separated() proves that
 /// two meshes, or a mesh and a static plane (btStaticPlaneShape), have no contact, the algorithm in charge is not
 /// asked and what contact manifolds it held are released, as GImpact does itself. Everything else is handed on:
-/// shapes that are not attached, non-uniform local scaling, time of impact. What stays unrejected is by pair
-///
-///   both collision margins + contact breaking threshold + closest-point threshold of the query + rounding
-///
-/// where the threshold is gContactBreakingThreshold or the relative one, whichever is larger, and rounding that of
-/// btScalar in the poses and within Bullet (docs/guarantee.md, "Bullet"); and see BulletContacts.
+/// shapes that are not attached, non-uniform local scaling, time of impact. Not rejected is a pair nearer
+/// than both collision margins and the rounding of btScalar in the poses and within Bullet (docs/guarantee.md,
+/// "Bullet"), and, for algorithms other than GImpact's own, 1.5 times the contact breaking threshold
+/// (gContactBreakingThreshold, the relative one or the manifold's, whichever is largest) and the query's
+/// closest-point threshold. GImpact's needs neither: it begins each step without contacts and makes none
+/// without overlap. See also BulletContacts.
 ///
 /// Create it after the algorithms have been registered. Several adapters of one dispatcher have to be destroyed in
 /// reverse order of creation; a world may outlive its adapter, the dispatcher must.
@@ -65,8 +65,8 @@ class BulletAdapter {
   /// locally scaled by one factor or not at all. Replaces an earlier attachment. To be called again after any change
   /// of the mesh, its margin, its scaling or updateBound() (until then a change of margin or scaling is noticed, and
   /// nothing rejected); detach() before the mesh is destroyed. The mesh is not owned, the shape is shared. O(n).
-  /// Throws Error for a null shape, a mesh without updateBound(), a margin that is negative or not finite, vertices
-  /// that are not finite, and a mesh whose box is not the asset's: another unit, frame or mesh.
+  /// Throws Error for a null shape, a compound, a mesh without updateBound(), a margin that is negative or not finite,
+  /// vertices that are not finite, and a mesh whose box is not the asset's: another unit, frame or mesh.
   void attach(const btGImpactMeshShape& mesh, ShapePtr shape);
 
   /// Nothing of this mesh is rejected any more; false if it was not attached.

@@ -138,6 +138,7 @@ void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, c
 }  // namespace
 
 GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& shape) {
+  if (!shape.parts.empty()) throw Error("Bullet mesh: the shape to attach is a compound; attach a simple one");
   if (mesh.getMeshPartCount() == 0) throw Error("Bullet mesh: has no triangles");
   GImpactMesh measured;
   measured.arrays = mesh.getMeshInterface();
