@@ -14,6 +14,35 @@ using Vector = Eigen::Vector3d;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
+/// Whether n . x > limit for some vertex x, as computed.
+bool exceeds(const Surface& surface, const Vector& n, double limit) noexcept {
+  std::array<std::int32_t, WideNode::width*(WideTree::max_depth + 2)> stack;
+  int size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const WideNode& node = surface.tree.nodes[stack[--size]];
+    std::array<double, WideNode::width> upper{};
+    for (int k = 0; k < 3; ++k) {
+      for (int lane = 0; lane < WideNode::width; ++lane) {
+        upper[lane] += n[k] * (n[k] > 0 ? surface.tree.upper(node, k, lane) : surface.tree.lower(node, k, lane));
+      }
+    }
+    for (int lane = 0; lane < WideNode::width && node.count(lane) != WideNode::unused; ++lane) {
+      if (upper[lane] <= limit) continue;
+      if (node.count(lane) == WideNode::inner) {
+        stack[size++] = node.child(lane);
+        continue;
+      }
+      for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
+        for (const std::int32_t v : surface.tree.leaves[i].vertices) {
+          if (!(n.dot(surface.vertex(v)) <= limit)) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 PlaneCheck::PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace& plane, double margin,
@@ -35,7 +64,10 @@ PlaneCheck::PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace
 
 bool PlaneCheck::beyond_throughout() const noexcept {
   for (std::size_t end = 0; end < 2; ++end) {
-    if (!(height_[end] - surface_.scale() * support(*surface_, -normal_[end]) > clearance_ + arc_)) return false;
+    const double depth = height_[end] - (clearance_ + arc_);
+    // Mostly the ball about the local origin will do.
+    if (depth > surface_.radius() * (1 + 2e-9)) continue;
+    if (exceeds(*surface_, -normal_[end], depth / surface_.scale())) return false;
   }
   return true;
 }

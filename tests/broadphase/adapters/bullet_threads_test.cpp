@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Several worlds at once, each with its own adapter, that share the shape.
+#include "tests/broadphase/adapters/bullet_world.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+namespace encage::test {
+namespace {
+
+std::vector<float> simulate(const Body& body, bool with_adapter) {
+  BulletMesh mesh(BulletMesh::of(body), 0.01);
+  BulletWorld world(with_adapter ? std::optional(BulletContacts::all) : std::nullopt);
+  if (with_adapter) world.adapter->attach(mesh.shape(), body.shape);
+  for (int i = 0; i < 6; ++i) {
+    btRigidBody& added = world.add(mesh.shape(), placed({static_cast<btScalar>(i % 3) * 2, 0.4F, 0}));
+    if (i >= 3) added.setWorldTransform(placed({static_cast<btScalar>(i % 3) * 2, 0, 1.5F}));
+  }
+  world.add_walls(5);
+  for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+  EXPECT_TRUE(!with_adapter || world.adapter->statistics().rejected > 0);
+  return world.transforms();
+}
+
+TEST(BulletThreads, WorldsAreIndependent) {
+  const Body body = body_named("torus");
+  const std::vector<float> expected = simulate(body, false);
+  std::vector<std::vector<float>> results(4);
+  {
+    std::vector<std::jthread> threads;
+    for (auto& result : results) threads.emplace_back([&] { result = simulate(body, true); });
+  }
+  for (const auto& result : results) EXPECT_EQ(result, expected);
+}
+
+}  // namespace
+}  // namespace encage::test
