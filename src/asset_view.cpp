@@ -206,12 +206,15 @@ AssetView::AssetView(std::span<const std::byte> bytes, const std::string& name, 
 }
 
 /// What parse() reads besides sections: everything before the BIN data, as far as it is in the file, and the seal.
+/// In few reads where that is small, with the cages, which are the last sections.
 void AssetView::fetch_head() {
+  constexpr std::size_t likely_head = 8192, likely_cages = 65536;
+  static_assert(likely_head >= glb_start && likely_cages >= seal_size);
   const std::span<const std::byte> all = image_.bytes();
   const auto fetch_first = [&](std::size_t size) { image_.fetch(all.first(std::min(size, all.size()))); };
-  fetch_first(glb_start);
-  fetch_first(glb_head_size(all));
-  image_.fetch(all.last(std::min(seal_size, all.size())));
+  fetch_first(likely_head);
+  if (const std::size_t size = glb_head_size(all); size > likely_head) fetch_first(size);
+  image_.fetch(all.last(std::min(likely_cages, all.size())));
 }
 
 void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {

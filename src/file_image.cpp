@@ -36,6 +36,8 @@ std::size_t size_of(int descriptor, const std::filesystem::path& file) {
   return static_cast<std::size_t>(status.st_size);
 }
 
+std::uintptr_t page_size() { return static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE)); }
+
 }  // namespace
 
 FileImage::FileImage(const std::filesystem::path& file, LoadMode mode)
@@ -53,7 +55,12 @@ FileImage::FileImage(const std::filesystem::path& file, LoadMode mode)
     close();
     throw;
   }
-  if (mode == LoadMode::map) close();
+  if (mode == LoadMode::map) {
+    close();
+  } else {
+    // What is not asked for is not read ahead.
+    posix_fadvise(descriptor_, 0, 0, POSIX_FADV_RANDOM);
+  }
 }
 
 FileImage::~FileImage() {
@@ -76,7 +83,12 @@ FileImage& FileImage::operator=(FileImage&& other) noexcept {
 }
 
 void FileImage::fetch(std::span<const std::byte> part) {
-  if (mode_ == LoadMode::map) return;
+  if (mode_ == LoadMode::map) {
+    const auto start = reinterpret_cast<std::uintptr_t>(part.data()) / page_size() * page_size();
+    const auto end = reinterpret_cast<std::uintptr_t>(part.data()) + part.size();
+    if (start < end) madvise(reinterpret_cast<void*>(start), end - start, MADV_WILLNEED);
+    return;
+  }
   assert(part.empty() || (part.data() >= bytes_.data() && part.data() + part.size() <= bytes_.data() + bytes_.size()));
   if (descriptor_ < 0) {
     descriptor_ = open_file(file_);
@@ -96,7 +108,7 @@ void FileImage::fetch(std::span<const std::byte> part) {
 }
 
 void FileImage::discard(std::span<const std::byte> part) noexcept {
-  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  const std::uintptr_t page = page_size();
   const auto start = (reinterpret_cast<std::uintptr_t>(part.data()) + page - 1) / page * page;
   const auto end = (reinterpret_cast<std::uintptr_t>(part.data()) + part.size()) / page * page;
   if (start < end) madvise(reinterpret_cast<void*>(start), end - start, MADV_DONTNEED);

@@ -26,7 +26,7 @@ class FileImage {
   LoadMode mode() const { return mode_; }
 
   /// Of a copy: reads a part of bytes() from the file, which is opened again if it was closed. Throws Error naming the
-  /// file and the reason; the part's content is then unspecified.
+  /// file and the reason; the part's content is then unspecified. Of a map: lets the system read it ahead.
   void fetch(std::span<const std::byte> part);
   /// Gives the memory of the pages that lie wholly in a part of bytes() back. Of a copy they are zeros until fetched
   /// again; a map finds them in the file.
