@@ -58,7 +58,7 @@ std::vector<ShapePtr> load(const Way& way, const std::vector<std::filesystem::pa
   if (way.budget > 0) cache.emplace(ShapeCacheOptions{way.budget, way.mode});
   std::vector<ShapePtr> shapes;
   shapes.reserve(files.size());
-  for (const auto& file : files) shapes.push_back(cache ? cache->load(file) : load_shape(file, way.mode));
+  for (const auto& file : files) shapes.push_back(cache ? cache->load(file) : load_shape(file, {}, way.mode));
   return shapes;
 }
 
