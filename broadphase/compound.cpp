@@ -104,8 +104,8 @@ void flatten(Shape& compound, const CompoundPart& part, std::int32_t& triangles,
   const double offset = part.pose.translation().norm() + part.scale * part.shape->origin.norm();
   compound.parts.push_back(
       {part.shape, part.pose, part.scale, box, offset + part.scale * part.shape->radius, triangles, vertices});
-  triangles = add_count(triangles, part.shape->fine.mesh.triangles.size(), "triangles");
-  vertices = add_count(vertices, part.shape->fine.mesh.vertices.size(), "vertices");
+  triangles = add_count(triangles, part.shape->fine_triangles, "triangles");
+  vertices = add_count(vertices, part.shape->fine_vertices, "vertices");
 }
 
 Eigen::AlignedBox3d swept_box(const Eigen::AlignedBox3d& box, const Motion& motion) {
@@ -199,7 +199,7 @@ double size_in_world(const Shape& shape, const Motion& motion) noexcept {
 }
 
 bool visit_parts(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
-                 VisitParts visit, void* context) noexcept {
+                 VisitParts visit, void* context) {
   return visit_near_parts(a, motion_a, world_box(b, motion_b), margin, [&](const MovingPart& part_a) {
     const Eigen::AlignedBox3d box = world_box(*part_a.shape, part_a.motion);
     return visit_near_parts(b, motion_b, box, margin + part_a.slack,

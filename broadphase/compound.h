@@ -24,7 +24,7 @@ using VisitParts = bool (*)(void* context, const MovingPart& a, const MovingPart
 /// Calls visit for the pairs of parts of which boxes do not prove a distance of more than `margin`, until it returns
 /// false; returns false if it did. One of the shapes, or both, are compounds; the motions are usable.
 bool visit_parts(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
-                 VisitParts visit, void* context) noexcept;
+                 VisitParts visit, void* context);
 
 /// visit_parts() with any function; for simple shapes one call with the shapes themselves.
 template <class Visit>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <encage/distance.h>
+#include <encage/fine_lease.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,9 @@ class Containment {
 
   /// In an unknown interior.
   bool possible(bool open_a, bool open_b) const {
+    if (!open_a && !open_b) return false;
+    FineLease lease_a, lease_b;
+    if (!lease_a.take(a_) || !lease_b.take(b_)) return true;
     const std::array<AffineMap, 2> maps_a = {pair_.a, pair_.a}, maps_b = {pair_.b, pair_.b};
     return (open_a && could_hold(a_, pair_.scale_a, maps_a, b_, pair_.scale_b, maps_b, pair_.located())) ||
            (open_b && could_hold(b_, pair_.scale_b, maps_b, a_, pair_.scale_a, maps_a, pair_.located()));
@@ -107,13 +111,14 @@ void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, Distan
 DistanceResult simple_distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                                double moved, const DistanceOptions& options) {
   const RestingPair pair(a, motion_a, b, motion_b);
-  if (a.fine.empty() || b.fine.empty()) {
-    const CageDistanceOptions finest{.enough = options.limit + moved, .tolerance = options.tolerance, .finest_cage = 0};
-    return {.lower = std::max(0.0, cage_bound(a, b, pair, finest) - moved)};
-  }
   const double slack = fine_error(a, b, pair) + moved;
   const double balls = ball_bound(a, b, pair, slack + pair.error);
   if (balls >= options.limit) return {.lower = balls};
+  FineLease lease_a, lease_b;
+  if (!a.has_fine() || !b.has_fine() || !lease_a.take(a) || !lease_b.take(b)) {
+    const CageDistanceOptions finest{.enough = options.limit + moved, .tolerance = options.tolerance, .finest_cage = 0};
+    return {.lower = std::max(0.0, cage_bound(a, b, pair, finest) - moved)};
+  }
   const SurfaceDistance found = surface_distance(
       {a.fine, pair.scale_a}, {b.fine, pair.scale_b}, pair,
       {.limit = options.limit + slack, .tolerance = options.tolerance, .vertex_error = slack, .hint = options.hint});

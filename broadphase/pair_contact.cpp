@@ -114,10 +114,11 @@ Vector orient(const Meeting& meeting, double margin) {
 
 }  // namespace
 
-bool PairContact::Side::turn_to(std::int32_t triangle) noexcept {
+bool PairContact::Side::turn_to(std::int32_t triangle) {
   if (part != nullptr && triangle >= first_triangle && triangle - first_triangle < triangle_count) return false;
   const MovingPart moving = whole.parts.empty() ? MovingPart{&whole, whole_motion}
                                                 : moving_part(whole, part_of_triangle(whole, triangle), whole_motion);
+  lease = FineLease(*moving.shape);
   part = moving.shape;
   motion = moving.motion;
   slack = moving.slack;
@@ -129,14 +130,17 @@ bool PairContact::Side::turn_to(std::int32_t triangle) noexcept {
 }
 
 PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                         const ContactOptions& options) noexcept
+                         const ContactOptions& options)
     : a_(a, motion_a), b_(b, motion_b), options_(options) {
   assert(is_usable(motion_a) && is_usable(motion_b));
+  if (a.parts.empty()) a_.turn_to(0);
+  if (b.parts.empty()) b_.turn_to(0);
 }
 
-void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) noexcept {
+void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
   const bool turned_a = a_.turn_to(triangle_a), turned_b = b_.turn_to(triangle_b);
-  if (turned_a || turned_b) {
+  if (turned_a || turned_b || !placed_) {
+    placed_ = true;
     const PairMotion pair = pair_motion(*a_.part, a_.motion, *b_.part, b_.motion);
     for (std::size_t end = 0; end < 2; ++end) {
       a_.ends[end] = affine(pair.a[end]);
@@ -217,6 +221,7 @@ namespace {
 
 /// Hands the pairs of triangles near each other of two parts to the narrow phase.
 void contact_of_parts(const MovingPart& a, const MovingPart& b, const ContactOptions& options, PairContact& narrow) {
+  const FineLease lease_a(*a.shape), lease_b(*b.shape);
   const PairMotion motion = pair_motion(*a.shape, a.motion, *b.shape, b.motion);
   // What the narrow phase calls a contact must pass the culling, whatever finds the pair: rounding included twice.
   const double margin = options.margin + a.slack + b.slack;
@@ -241,7 +246,10 @@ void contact_of_parts(const MovingPart& a, const MovingPart& b, const ContactOpt
 
 void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const ContactOptions& options,
                         std::optional<Contact>& first) {
-  const PlaneCheck check(*a.shape, a.motion, plane, options.margin + a.slack, options.arc);
+  const double margin = options.margin + a.slack;
+  if (a.shape->on_demand && PlaneCheck(*a.shape, a.motion, plane, margin, options.arc).beyond_throughout()) return;
+  const FineLease lease(*a.shape);
+  const PlaneCheck check(*a.shape, a.shape->fine, a.motion, plane, margin, options.arc);
   if (check.beyond_throughout()) return;
   check.visit_reaching([&](std::int32_t vertex, double time) {
     if (time > (first ? first->time : options.latest)) return;
@@ -260,7 +268,7 @@ void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const Conta
 }  // namespace
 
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                                     const ContactOptions& options) noexcept {
+                                     const ContactOptions& options) {
   PairContact narrow(a, motion_a, b, motion_b, options);
   // Parts that boxes tell apart by this much are beyond what the narrow phase calls a contact: required_distance() is
   // below it, whatever the poses.
@@ -274,7 +282,7 @@ std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, con
 }
 
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
-                                     const ContactOptions& options) noexcept {
+                                     const ContactOptions& options) {
   assert(is_usable(motion_a));
   std::optional<Contact> first;
   for_each_part(a, motion_a, [&](const MovingPart& part) {

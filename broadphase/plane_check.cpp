@@ -45,9 +45,9 @@ bool exceeds(const Surface& surface, const Vector& n, double limit) noexcept {
 
 }  // namespace
 
-PlaneCheck::PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace& plane, double margin,
-                       double arc) noexcept
-    : surface_(shape.outer(), motion.scale), arc_(arc) {
+PlaneCheck::PlaneCheck(const Shape& shape, const Surface& surface, const Motion& motion, const HalfSpace& plane,
+                       double margin, double arc) noexcept
+    : surface_(surface, motion.scale), arc_(arc) {
   double size = std::abs(plane.offset) + surface_.radius() + motion.scale * shape.origin.norm();
   for (std::size_t end = 0; end < 2; ++end) {
     const Eigen::Isometry3d& pose = end == 0 ? motion.start : motion.end;

@@ -13,7 +13,11 @@ class PlaneCheck {
  public:
   /// Looks at shape.outer(). `margin` counts throughout, `arc` as arc * 4 t (1 - t).
   /// The motion must be usable. A normal that is not of unit length within 1e-9 proves nothing.
-  PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace& plane, double margin, double arc = 0) noexcept;
+  PlaneCheck(const Shape& shape, const Motion& motion, const HalfSpace& plane, double margin, double arc = 0) noexcept
+      : PlaneCheck(shape, shape.outer(), motion, plane, margin, arc) {}
+  /// Looks at a surface of the shape.
+  PlaneCheck(const Shape& shape, const Surface& surface, const Motion& motion, const HalfSpace& plane, double margin,
+             double arc = 0) noexcept;
 
   /// True only if every vertex stays above the plane by more than margin and arc, rounding included.
   bool beyond_throughout() const noexcept;

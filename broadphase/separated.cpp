@@ -39,13 +39,15 @@ class BodyPair {
         distance_(required_distance(a, motion_a, b, motion_b, margin)),
         fine_distance_(distance_ + fine_slack(a, motion_a, b, motion_b)) {}
 
-  bool cages_apart(const Surface& of_a, const Surface& of_b) const {
+  // Whether something is held may need a fine mesh: last.
+  bool cages_apart(const Surface& of_a, const Surface& of_b) {
     const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
-    return !hold(unknown_in_cage(a_), unknown_in_cage(b_)) && surfaces_apart(cage_a, cage_b, motion_, distance_) &&
-           all_outside(cage_b, cage_a, a_to_b_) && all_outside(cage_a, cage_b, b_to_a_);
+    return surfaces_apart(cage_a, cage_b, motion_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
+           all_outside(cage_a, cage_b, b_to_a_) && !hold(unknown_in_cage(a_), unknown_in_cage(b_));
   }
 
-  bool fine_apart() const {
+  bool fine_apart() {
+    if (!take_fine()) return false;
     const Interior in_a = interior(a_), in_b = interior(b_);
     const ScaledSurface fine_a(a_.fine, scale_a_), fine_b(b_.fine, scale_b_);
     return !hold(in_a == Interior::unknown, in_b == Interior::unknown) &&
@@ -56,13 +58,17 @@ class BodyPair {
 
  private:
   // Whether one may lie in the other's unknown interior.
-  bool hold(bool open_a, bool open_b) const {
-    return (open_a && could_hold(a_, scale_a_, motion_.a, b_, scale_b_, motion_.b, distance_)) ||
+  bool hold(bool open_a, bool open_b) {
+    if (!open_a && !open_b) return false;
+    return !take_fine() || (open_a && could_hold(a_, scale_a_, motion_.a, b_, scale_b_, motion_.b, distance_)) ||
            (open_b && could_hold(b_, scale_b_, motion_.b, a_, scale_a_, motion_.a, distance_));
   }
 
+  bool take_fine() { return lease_a_.take(a_) && lease_b_.take(b_); }
+
   const Shape& a_;
   const Shape& b_;
+  FineLease lease_a_, lease_b_;
   double scale_a_, scale_b_;
   PairMotion motion_;
   PairFrame b_to_a_, a_to_b_;
@@ -72,10 +78,11 @@ class BodyPair {
 /// The stages after the boxes, of simple shapes.
 Verdict simple_separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          const PairOptions& options) {
-  const BodyPair pair(a, motion_a, b, motion_b, options.margin);
+  BodyPair pair(a, motion_a, b, motion_b, options.margin);
   Verdict last;
-  const bool fine = options.fine && !a.fine.empty() && !b.fine.empty();
-  const bool cages = options.cages == CageUse::always || (options.cages == CageUse::automatic && !fine);
+  const bool fine = options.fine && a.has_fine() && b.has_fine();
+  const bool cages = options.cages == CageUse::always ||
+                     (options.cages == CageUse::automatic && (!fine || a.on_demand || b.on_demand));
   if (cages && !a.cages.empty() && !b.cages.empty()) {
     const int count_a = level_count(a), count_b = level_count(b);
     const int coarsest = std::min(options.coarsest_cage, std::max(count_a, count_b) - 1);
@@ -91,9 +98,13 @@ Verdict simple_separated(const Shape& a, const Motion& motion_a, const Shape& b,
 }
 
 Verdict simple_separated(const MovingPart& a, const HalfSpace& plane, double margin) {
-  const bool cage = a.shape->fine.empty();
-  return {PlaneCheck(*a.shape, a.motion, plane, margin + a.slack).beyond_throughout(), cage ? Stage::cage : Stage::fine,
-          static_cast<std::int16_t>(cage ? 0 : -1)};
+  const Shape& shape = *a.shape;
+  const bool beyond = PlaneCheck(shape, a.motion, plane, margin + a.slack).beyond_throughout();
+  if (!shape.has_fine() || (shape.on_demand && beyond)) return {beyond, Stage::cage, 0};
+  if (!shape.on_demand) return {beyond, Stage::fine, -1};
+  FineLease lease;
+  return {lease.take(shape) && PlaneCheck(shape, shape.fine, a.motion, plane, margin + a.slack).beyond_throughout(),
+          Stage::fine, -1};
 }
 
 /// The verdict about all parts: the first that is not separated, or the last stage that some part needed.
@@ -112,7 +123,7 @@ class PartsVerdict {
 std::int32_t triangle_count(const Shape& shape) {
   std::int32_t count = 0;
   for_each_part(shape, {}, [&](const MovingPart& part) {
-    count += static_cast<std::int32_t>(part.shape->fine.mesh.triangles.size());
+    count += static_cast<std::int32_t>(part.shape->fine_triangles);
     return true;
   });
   return count;
@@ -126,7 +137,8 @@ struct PartCandidates {
   void* context;
 
   bool run(double margin) {
-    if (a.shape->fine.empty() || b.shape->fine.empty()) return true;
+    if (!a.shape->has_fine() || !b.shape->has_fine()) return true;
+    const FineLease lease_a(*a.shape), lease_b(*b.shape);
     const double distance = required_distance(*a.shape, a.motion, *b.shape, b.motion, margin + a.slack + b.slack) +
                             fine_slack(*a.shape, a.motion, *b.shape, b.motion);
     return visit_near_triangles(

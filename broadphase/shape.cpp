@@ -122,11 +122,14 @@ void set_outline(Shape& shape) {
     set(surface.mesh.vertices);
     return true;
   };
-  if (!fits(shape.fine) && std::none_of(shape.cages.begin(), shape.cages.end(), fits)) set(box_corners(shape.outer()));
+  if (!shape.on_demand && fits(shape.fine)) return;
+  if (std::none_of(shape.cages.begin(), shape.cages.end(), fits)) set(box_corners(shape.outer()));
 }
 
 void set_fine(Shape& shape, const MeshArraysView& arrays) {
   shape.fine = Surface(arrays);
+  shape.fine_triangles = arrays.mesh.triangles.size();
+  shape.fine_vertices = arrays.mesh.vertices.size();
   shape.radius = std::max(shape.radius, shape.fine.radius);
 }
 
@@ -181,31 +184,71 @@ ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options) {
   return make_shape(hierarchy, options);
 }
 
-ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options) {
-  AssetView view(file, Verify::cages);
-  for (const AssetSection& section : view.sections()) {
-    if (section.kind == SectionKind::fine) view.verify_hash(section);
-  }
-  const auto fine = view.fine();
-  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
-  const auto shape = describe(view.description(), options);
+namespace {
+
+/// Calls load(); its Error names the file.
+template <class Load>
+auto load_named(const std::filesystem::path& file, Load&& load) {
   try {
-    // Assets from before trees were stored have none.
-    const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
-    if (!finest) return make_shape(copy_hierarchy(view), options);
-    if (fine) set_fine(*shape, *finest);
-    for (std::size_t k = 0; k < view.description().levels.size(); ++k) {
-      const auto arrays = view.cage_arrays(k);
-      if (!arrays) throw Error(cage_name(k) + ": no stored tree");
-      add_cage(*shape, *arrays);
-    }
+    return load();
   } catch (const Error& error) {
     const std::string message = error.what();
     throw Error(message.starts_with(file.string()) ? message : file.string() + ": " + message);
   }
-  set_outline(*shape);
-  shape->asset.emplace(std::move(view));
-  return shape;
+}
+
+MeshArraysView stored_cage(const AssetView& view, std::size_t k) {
+  const auto arrays = view.cage_arrays(k);
+  if (!arrays) throw Error(cage_name(k) + ": no stored tree");
+  return *arrays;
+}
+
+}  // namespace
+
+ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode) {
+  AssetView view(file, Verify::cages, mode);
+  view.fetch_fine();
+  view.verify_fine();
+  view.close_file();
+  const auto fine = view.fine();
+  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
+  return load_named(file, [&]() -> ShapePtr {
+    const auto shape = describe(view.description(), options);
+    // Assets from before trees were stored have none.
+    const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
+    if (!finest) return make_shape(copy_hierarchy(view), options);
+    if (fine) set_fine(*shape, *finest);
+    for (std::size_t k = 0; k < view.description().levels.size(); ++k) add_cage(*shape, stored_cage(view, k));
+    set_outline(*shape);
+    shape->asset.emplace(std::move(view));
+    return shape;
+  });
+}
+
+ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,
+                    std::shared_ptr<MeshBudget> budget) {
+  AssetView view(file, Verify::cages, mode);
+  view.close_file();
+  const std::size_t levels = view.description().levels.size();
+  if (levels == 0) throw Error(file.string() + ": no cages");
+  return load_named(file, [&]() -> ShapePtr {
+    const auto shape = describe(view.description(), options);
+    const bool stored = view.cage_arrays(0).has_value();
+    for (std::size_t k = 0; k < levels; ++k) {
+      add_cage(*shape,
+               stored ? stored_cage(view, k) : keep(*shape, make_mesh_arrays(copy_mesh(view.cage(k)), cage_name(k))));
+    }
+    // Cages enclose the source, which is no farther than that from the fine mesh.
+    shape->radius = (shape->radius + shape->fine_error) * (1 + 16 * std::numeric_limits<double>::epsilon());
+    const bool has_fine = view.fine_triangle_count() > 0;
+    shape->fine_triangles = view.fine_triangle_count();
+    shape->fine_vertices = view.fine_vertex_count();
+    view.discard_fine();  // what the system has read ahead
+    shape->asset.emplace(std::move(view));
+    if (has_fine) shape->on_demand = std::make_unique<OnDemandMesh>(*shape, file.string(), std::move(budget));
+    set_outline(*shape);
+    return shape;
+  });
 }
 
 int level_count(const Shape& shape) noexcept {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "broadphase/on_demand.h"
 #include "broadphase/outline.h"
 #include "src/asset_view.h"
 #include "src/mesh_arrays.h"
@@ -73,20 +74,27 @@ class [[gnu::visibility("hidden")]] Shape {
   double fine_error = 0;       ///< distance of a source vertex from its fine vertex, at most
   double radius = 0;           ///< largest of all surfaces
   std::vector<Surface> cages;  ///< fine to coarse; each closed
-  Surface fine;                ///< may be empty
-  Outline outline;             ///< few points that hold the body, for its world boxes; may be empty
-  double outline_radius = 0;   ///< largest norm of these
+  Surface fine;                ///< may be empty; of a mesh on demand only while a FineLease is held
+  std::size_t fine_triangles = 0, fine_vertices = 0;  ///< in memory or not
+  Outline outline;            ///< few points that hold the body, for its world boxes; may be empty
+  double outline_radius = 0;  ///< largest norm of these
 
   std::vector<ShapePart> parts;
   std::vector<PartNode> part_nodes;  ///< a tree, the root first
 
-  /// The surface whose box bounds the body, and the error of that.
-  const Surface& outer() const { return fine.empty() ? cages.front() : fine; }
-  double outer_error() const { return fine.empty() ? 0 : fine_error; }
+  bool has_fine() const { return on_demand || !fine.empty(); }
+  /// The surface whose box bounds the body, and the error of that; always in memory.
+  const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
+  double outer_error() const { return has_fine() ? fine_error : 0; }
 
   // What the surfaces refer to.
   std::deque<MeshArrays> owned_arrays;
   std::optional<AssetView> asset;
+  std::unique_ptr<OnDemandMesh> on_demand;  ///< of a shape of a ShapeCache that has a fine mesh
 };
+
+/// The shape of an asset, its fine mesh on demand.
+ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,
+                    std::shared_ptr<MeshBudget> budget);
 
 }  // namespace encage

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <limits>
 #include <string>
 
@@ -163,7 +164,13 @@ class World::State::Search {
     const Pair& pair = state_.pairs_[i];
     TriangleLists::Writer writer(state_.scratch_.lists);
     if (is_open(pair) && !pair.verdict.separated) {
-      state_.for_each_triangle_pair(pair, margin_, [&](TrianglePair found) { return writer.push(found); });
+      try {
+        state_.for_each_triangle_pair(pair, margin_, [&](TrianglePair found) { return writer.push(found); });
+      } catch (const std::exception&) {
+        // A mesh on demand cannot be read: left to the calling thread, which may throw.
+        state_.scratch_.list[i] = {.first_block = -1, .size = -1};
+        return false;
+      }
     }
     state_.scratch_.list[i] = writer.list();
     return writer.list().complete();

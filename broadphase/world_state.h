@@ -138,7 +138,7 @@ class [[gnu::visibility("hidden")]] World::State {
   void find_fresh_pairs(double margin);
   void find_fresh_half_spaces(std::uint32_t body, bool outdated_ones, double margin);
   template <class Visit>
-  void for_each_woken(Visit&& visit) const;
+  void for_each_woken(Visit && visit) const;
   void prepare_merge();
   void merge_pairs(bool tested) noexcept;
   void note_collected() noexcept;

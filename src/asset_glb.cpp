@@ -45,6 +45,11 @@ std::span<const std::byte> chunk(std::span<const std::byte> bytes, std::size_t o
 
 }  // namespace
 
+std::size_t glb_head_size(std::span<const std::byte> start) {
+  if (start.size() < glb_start) return start.size();
+  return glb_start + word(start, file_header_size) + chunk_header_size;
+}
+
 Glb parse_glb(std::span<const std::byte> bytes, const std::string& file) {
   const std::string header = file + ": GLB header: ";
   if (bytes.size() < file_header_size) {

@@ -26,6 +26,11 @@ struct Glb {
   std::span<const std::byte> bin;
 };
 
+/// The first bytes of a GLB file, which say how long the JSON chunk is.
+inline constexpr std::size_t glb_start = 20;
+/// Bytes before the BIN data as a file's first `glb_start` ones say, right or wrong.
+std::size_t glb_head_size(std::span<const std::byte> start);
+
 /// Splits a GLB file into its two chunks. Throws Error naming `file` and the reason.
 Glb parse_glb(std::span<const std::byte> bytes, const std::string& file);
 

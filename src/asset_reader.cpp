@@ -4,7 +4,6 @@
 #include "src/asset_view.h"
 
 namespace encage {
-namespace {
 
 TriangleMesh copy_mesh(const MeshView& view) {
   TriangleMesh mesh;
@@ -18,8 +17,6 @@ TriangleMesh copy_mesh(const MeshView& view) {
   }
   return mesh;
 }
-
-}  // namespace
 
 CageHierarchy copy_hierarchy(const AssetView& view) {
   CageHierarchy hierarchy = view.description();

@@ -6,6 +6,7 @@
 #include <climits>
 #include <cstring>
 #include <initializer_list>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -189,13 +190,31 @@ class AssetView::Parser {
   std::span<const std::byte> arrays_;
 };
 
-AssetView::AssetView(const std::filesystem::path& file, Verify verify) : map_(file), name_(file.string()) {
-  parse(map_.bytes(), verify);
+AssetView::AssetView(const std::filesystem::path& file, Verify verify, LoadMode mode)
+    : image_(file, mode), name_(file.string()) {
+  if (verify == Verify::all) {
+    image_.fetch(image_.bytes());
+  } else {
+    fetch_head();
+  }
+  parse(image_.bytes(), verify);
 }
 
 AssetView::AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify) : name_(name) {
   assert(reinterpret_cast<std::uintptr_t>(bytes.data()) % asset_alignment == 0);
   parse(bytes, verify);
+}
+
+/// What parse() reads besides sections: everything before the BIN data, as far as it is in the file, and the seal.
+/// In few reads where that is small, with the cages, which are the last sections.
+void AssetView::fetch_head() {
+  constexpr std::size_t likely_head = 8192, likely_cages = 65536;
+  static_assert(likely_head >= glb_start && likely_cages >= seal_size);
+  const std::span<const std::byte> all = image_.bytes();
+  const auto fetch_first = [&](std::size_t size) { image_.fetch(all.first(std::min(size, all.size()))); };
+  fetch_first(likely_head);
+  if (const std::size_t size = glb_head_size(all); size > likely_head) fetch_first(size);
+  image_.fetch(all.last(std::min(likely_cages, all.size())));
 }
 
 void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
@@ -208,7 +227,9 @@ void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
   Parser parser(root, extension, glb.bin.first(glb.bin.size() - seal_size));
   sections_ = parser.read_sections();
   for (const AssetSection& section : sections_) {
-    if (section.kind == SectionKind::cage || verify == Verify::all) verify_hash(section);
+    if (section.kind == SectionKind::fine && verify == Verify::cages) continue;
+    if (verify == Verify::cages) image_.fetch(section.bytes);
+    verify_hash(section);
   }
   description_ = read_description(extension);
   check_description(description_, name_);
@@ -265,6 +286,41 @@ const AssetSection* AssetView::find_section(std::string_view section_name) const
   const auto found = std::find_if(sections_.begin(), sections_.end(),
                                   [&](const AssetSection& section) { return section.name == section_name; });
   return found == sections_.end() ? nullptr : &*found;
+}
+
+/// Calls act(bytes) for sections of kind `fine` that follow each other, as a whole.
+template <class Do>
+void AssetView::for_each_fine_run(Do&& act) const {
+  const auto is_fine = [](const AssetSection& section) { return section.kind == SectionKind::fine; };
+  for (auto first = sections_.begin(); first != sections_.end();) {
+    first = std::find_if(first, sections_.end(), is_fine);
+    if (first == sections_.end()) return;
+    const auto end = std::find_if_not(first, sections_.end(), is_fine);
+    const std::byte* const start = first->bytes.data();
+    const AssetSection& last = *std::prev(end);
+    act(std::span(start, last.bytes.data() + last.bytes.size()));
+    first = end;
+  }
+}
+
+std::int64_t AssetView::fine_bytes() const noexcept {
+  std::int64_t sum = 0;
+  for_each_fine_run([&](std::span<const std::byte> bytes) { sum += static_cast<std::int64_t>(bytes.size()); });
+  return sum;
+}
+
+void AssetView::fetch_fine() {
+  for_each_fine_run([&](std::span<const std::byte> bytes) { image_.fetch(bytes); });
+}
+
+void AssetView::verify_fine() const {
+  for (const AssetSection& section : sections_) {
+    if (section.kind == SectionKind::fine) verify_hash(section);
+  }
+}
+
+void AssetView::discard_fine() noexcept {
+  for_each_fine_run([&](std::span<const std::byte> bytes) { image_.discard(bytes); });
 }
 
 void AssetView::verify_hash(const AssetSection& section) const {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "src/asset_rules.h"
-#include "src/mapped_file.h"
+#include "src/file_image.h"
 #include "src/mesh_arrays.h"
 
 namespace encage {
@@ -33,13 +33,14 @@ struct AssetSection {
   Hash hash;                         ///< of the bytes, as the file says
 };
 
-/// An asset used in place, without copying (docs/asset.md). Everything handed
-/// out points into the file, which stays mapped as long as the view lives.
-/// Immutable, hence safe to read from any number of threads.
+/// An asset used in place, without parsing of its arrays (docs/asset.md). Everything handed
+/// out points into the file's image, which stays at its address as long as the view lives, wherever that is moved.
+/// Safe to read from any number of threads, but for fetch_fine() and discard_fine().
 class AssetView {
  public:
-  /// Maps the file. Throws Error naming file, section and reason.
-  AssetView(const std::filesystem::path& file, Verify verify);
+  /// Throws Error naming file, section and reason. With LoadMode::copy and Verify::cages, sections of kind `fine` are
+  /// zeros until fetch_fine() reads them.
+  AssetView(const std::filesystem::path& file, Verify verify, LoadMode mode = LoadMode::map);
   /// An asset that lies in memory, at an address divisible by 64 (asserted). The
   /// caller keeps the bytes alive; `name` stands for the file in messages.
   AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify);
@@ -61,20 +62,39 @@ class AssetView {
   /// Throws Error if the section's bytes do not match its hash.
   void verify_hash(const AssetSection& section) const;
 
+  LoadMode mode() const { return image_.mode(); }
+  std::size_t fine_vertex_count() const noexcept { return fine_ ? fine_->vertices.size() : 0; }
+  std::size_t fine_triangle_count() const noexcept { return fine_ ? fine_->triangles.size() : 0; }
+  /// Memory that the sections of kind `fine` take, and what lies between them.
+  std::int64_t fine_bytes() const noexcept;
+  /// Reads them, if the file is not mapped; it is opened again if it was closed. Throws Error.
+  void fetch_fine();
+  /// verify_hash() of each of them.
+  void verify_fine() const;
+  /// Gives their memory back, as far as it fills whole pages; fetch_fine() before they are used again.
+  void discard_fine() noexcept;
+  /// Closes a file that is not mapped.
+  void close_file() noexcept { image_.close(); }
+
  private:
   class Parser;
+  void fetch_head();
+  template <class Do>
+  void for_each_fine_run(Do&& act) const;
   void parse(std::span<const std::byte> bytes, Verify verify);
   std::optional<MeshArraysView> arrays(const MeshView& mesh, const std::string& mesh_name) const;
   template <class T>
   std::span<const T> array(const std::string& section_name) const;
 
-  MappedFile map_;
+  FileImage image_;
   std::string name_;
   CageHierarchy description_;
   std::vector<AssetSection> sections_;
   std::vector<MeshView> cages_;
   std::optional<MeshView> fine_;
 };
+
+TriangleMesh copy_mesh(const MeshView& view);
 
 /// The hierarchy with its meshes, copied out of the view. Throws Error.
 CageHierarchy copy_hierarchy(const AssetView& view);

@@ -21,6 +21,12 @@ enum class Verify {
   all,    ///< every byte of the file, the fine level and padding included
 };
 
+/// How a file is used.
+enum class LoadMode {
+  map,   ///< in place: quick, shared with other processes; the file must not be overwritten or truncated meanwhile
+  copy,  ///< read into memory: for files that may change
+};
+
 /// Loads a hierarchy. Throws Error naming file, section and reason.
 CageHierarchy read_asset(const std::filesystem::path& file, Verify verify = Verify::cages);
 

@@ -3,6 +3,7 @@
 
 // Run time: certified rejection of pairs. No CGAL, no allocation in queries.
 
+#include <encage/asset.h>
 #include <encage/cage.h>
 #include <encage/export.h>
 
@@ -38,9 +39,10 @@ ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options 
 /// edge is left open. Rounded to float32; queries account for that. O(n log n); throws Error as above.
 ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options = {});
 
-/// Maps an asset and uses it in place, trees included; the file must not be changed
-/// while the shape lives. Throws Error naming file, section and reason.
-ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options = {});
+/// Maps an asset and uses it in place, trees included; the file must not be overwritten or truncated
+/// while the shape lives (replaced or removed it may be). LoadMode::copy reads it into memory instead and is done with
+/// it. Throws Error naming file, section and reason. ShapeCache loads more assets than there is memory for.
+ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options = {}, LoadMode mode = LoadMode::map);
 
 /// A shape at its place in a compound: x -> pose * (scale * x).
 struct CompoundPart {
@@ -119,7 +121,9 @@ struct HalfSpace {
 /// When cages are worth asking.
 enum class CageUse : std::uint8_t {
   /// Where the fine meshes are not asked: a fine mesh's own tree proves more than a cage, in less time
-  /// (docs/performance.md), so that cages pay only in front of something slower, e.g. an engine's own test.
+  /// (docs/performance.md), so that cages pay only in front of something slower, e.g. an engine's own test. And in
+  /// front of a fine mesh of a
+  /// ShapeCache, which may have to be read first.
   automatic,
   always,
   never,
@@ -161,8 +165,8 @@ struct TrianglePair {
 
 /// Calls visit(TrianglePair) -> bool for every pair of fine triangles that is not proven
 /// farther apart than the margin during the motion, in a fixed order, until visit returns false. Returns
-/// false if it did. All pairs, if a motion is not usable. No call if a body has no fine mesh. Re-entrant; allocates
-/// nothing.
+/// false if it did. All pairs, if a motion is not usable. No call if a body has no fine mesh. Throws Error, before any
+/// call, if the fine mesh of a shape of a ShapeCache cannot be read. Re-entrant; allocates nothing.
 template <class Visit>
 bool for_each_candidate(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
                         Visit&& visit) {

@@ -16,6 +16,7 @@
 
 #include <encage/broadphase.h>
 #include <encage/error.h>
+#include <encage/export.h>
 
 #include <cstdint>
 #include <memory>
@@ -23,7 +24,7 @@
 class btCollisionDispatcher;
 class btGImpactMeshShape;
 
-namespace encage {
+namespace ENCAGE_EXPORT encage {
 
 /// Which contacts the adapter leaves as they are.
 enum class BulletContacts : std::uint8_t {

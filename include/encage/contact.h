@@ -6,6 +6,7 @@
 
 #include <encage/broadphase.h>
 #include <encage/export.h>
+#include <encage/fine_lease.h>
 
 #include <array>
 #include <cstdint>
@@ -67,15 +68,17 @@ struct Contact {
 /// detection for deformable models using representative triangles"): every
 /// pair of triangles in contact has to be handed in.
 ///
-/// Both shapes, of compounds all parts, need a fine mesh and must outlive this. A step's rotation must stay below 180
-/// degrees (asserted, as are usable poses). Not for use by several threads; never allocates.
+/// Both shapes, of compounds all parts, need a fine mesh and must outlive this. It keeps the meshes in memory that it
+/// works on; constructor and test() throw Error if one of a ShapeCache cannot be read, and nothing else. A step's
+/// rotation must stay below 180 degrees (asserted, as are usable poses). Not for use by several threads; never
+/// allocates.
 class PairContact {
  public:
   PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-              const ContactOptions& options = {}) noexcept;
+              const ContactOptions& options = {});
 
   /// Triangles of the fine meshes, as CageHierarchy::fine counts them.
-  void test(std::int32_t triangle_a, std::int32_t triangle_b) noexcept;
+  void test(std::int32_t triangle_a, std::int32_t triangle_b);
 
   const std::optional<Contact>& first() const noexcept { return first_; }
   /// Contacts that begin later cannot change the result.
@@ -90,10 +93,11 @@ class PairContact {
   // A simple shape, or the part of a compound that was asked last.
   struct Side {
     Side(const Shape& shape, const Motion& of_whole) : whole(shape), whole_motion(of_whole) {}
-    bool turn_to(std::int32_t triangle) noexcept;  // false: there already
+    bool turn_to(std::int32_t triangle);  // false: there already
 
     const Shape& whole;
     Motion whole_motion;
+    FineLease lease;
     const Shape* part = nullptr;
     Motion motion{};
     double slack = 0;
@@ -103,6 +107,7 @@ class PairContact {
 
   Side a_, b_;
   ContactOptions options_;
+  bool placed_ = false;  // ends and required_ are those of the two parts
   double required_ = 0;  // distance that proves absence of contact, rounding included
   std::optional<Contact> first_;
   std::int64_t feature_tests_ = 0;
@@ -112,12 +117,13 @@ class PairContact {
 /// then PairContact, with the same result as PairContact over all pairs of
 /// triangles. No value: proven that meshes that do not
 /// intersect at the start do not touch during the step (docs/guarantee.md); whether they do, separated() at rest tells.
-/// Says nothing of one body wholly inside the other. Requirements as PairContact. Re-entrant, never allocates.
+/// Says nothing of one body wholly inside the other. Requirements and Error as PairContact: of shapes of a ShapeCache
+/// the fine meshes are needed in any case, so ask separated() first. Re-entrant; otherwise never throws nor allocates.
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                                     const ContactOptions& options = {}) noexcept;
+                                     const ContactOptions& options = {});
 
-/// First contact of a moving body and a half-space; options.latest as above.
+/// First contact of a moving body and a half-space; options.latest and Error as above.
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
-                                     const ContactOptions& options = {}) noexcept;
+                                     const ContactOptions& options = {});
 
 }  // namespace encage

@@ -9,5 +9,6 @@
 #include <encage/error.h>
 #include <encage/executor.h>
 #include <encage/mesh.h>
+#include <encage/shape_cache.h>
 #include <encage/version.h>
 #include <encage/world.h>

@@ -5,7 +5,6 @@
 
 #include <encage/executor.h>
 #include <encage/export.h>
-#include <encage/export.h>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>

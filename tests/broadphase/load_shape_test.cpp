@@ -150,6 +150,24 @@ TEST(LoadShape, OutlivesItsFile) {
   EXPECT_EQ(answers(*shape), expected);  // the file is removed, its pages stay
 }
 
+TEST(LoadShape, ACopyIsDoneWithItsFile) {
+  const TemporaryFile file;
+  write_asset(file.path(), large_hierarchy());
+  const std::string good = read_bytes(file.path());
+  const ShapePtr shape = load_shape(file.path(), {}, LoadMode::copy);
+  expect_same(*shape, *load_shape(file.path()));
+  const std::vector<double> expected = answers(*shape);
+  write_bytes(file.path(), std::string(good.size(), 'x'));
+  EXPECT_EQ(answers(*shape), expected);
+  std::filesystem::resize_file(file.path(), 1);
+  EXPECT_EQ(answers(*shape), expected);
+  for (const std::string& bad : {good.substr(0, 10), good.substr(0, good.size() / 2), good + good, std::string()}) {
+    write_bytes(file.path(), bad);
+    EXPECT_EQ(error_of([&] { load_shape(file.path(), {}, LoadMode::copy); }),
+              error_of([&] { load_shape(file.path()); }));
+  }
+}
+
 // ---- Damage ------------------------------------------------------------------
 
 std::vector<std::string> section_names(const std::string& asset) {
@@ -183,8 +201,10 @@ TEST(LoadShape, NamesFileAndSectionOfADamagedByte) {
       std::string bad = good;
       bad[bin + offset + at] ^= 4;
       write_bytes(file.path(), bad);
-      EXPECT_EQ(error_of([&] { load_shape(file.path()); }),
-                file.path().string() + ": section \"" + name + "\": its hash does not match: the file is damaged");
+      for (const LoadMode mode : {LoadMode::map, LoadMode::copy}) {
+        EXPECT_EQ(error_of([&] { load_shape(file.path(), {}, mode); }),
+                  file.path().string() + ": section \"" + name + "\": its hash does not match: the file is damaged");
+      }
     }
   }
 }

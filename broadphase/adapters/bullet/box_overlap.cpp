@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/adapters/bullet/box_overlap.h"
 
+#include <encage/fine_lease.h>
+
 #include <array>
 #include <limits>
 
@@ -185,7 +187,8 @@ class Traversal {
 }  // namespace
 
 bool boxes_may_overlap(const BoxedMesh& a, const BoxedMesh& b, const Eigen::Isometry3d& b_to_a, double slack) noexcept {
-  if (a.shape.fine.empty() || b.shape.fine.empty()) return true;
+  FineLease lease_a, lease_b;
+  if (!a.shape.has_fine() || !b.shape.has_fine() || !lease_a.take(a.shape) || !lease_b.take(b.shape)) return true;
   // All in float: its rounding, of numbers up to the sum of all sizes.
   const double size = a.scale * (a.shape.radius + a.shape.origin.norm()) + a.growth +
                       b.scale * (b.shape.radius + b.shape.origin.norm()) + b.growth + b_to_a.translation().norm();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/adapters/bullet/gimpact_mesh.h"
 
+#include <encage/fine_lease.h>
+
 #include "broadphase/adapters/bullet/convert.h"
 #include "broadphase/shape.h"
 
@@ -127,7 +129,7 @@ void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, c
   const bool inside = wider.contains(box);
   const bool equal = (asset.min() - box.min()).cwiseAbs().maxCoeff() <= tolerance &&
                      (asset.max() - box.max()).cwiseAbs().maxCoeff() <= tolerance;
-  if (inside && (equal || shape.fine.empty())) return;
+  if (inside && (equal || &outer != &shape.fine)) return;
   std::ostringstream message;
   message << "Bullet mesh: reaches from (" << box.min().transpose() << ") to (" << box.max().transpose()
           << "), the asset's from (" << asset.min().transpose() << ") to (" << asset.max().transpose()
@@ -139,6 +141,7 @@ void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, c
 
 GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& shape) {
   if (!shape.parts.empty()) throw Error("Bullet mesh: the shape to attach is a compound; attach a simple one");
+  const FineLease lease(shape);
   if (mesh.getMeshPartCount() == 0) throw Error("Bullet mesh: has no triangles");
   GImpactMesh measured;
   measured.arrays = mesh.getMeshInterface();

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <encage/shape_cache.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/assets/scene.h"
+
+namespace encage::assets {
+
+/// A way to keep assets.
+struct Way {
+  std::string name;
+  LoadMode mode = LoadMode::map;
+  std::int64_t budget = 0;  ///< 0: everything stays in memory
+};
+
+struct MeasureOptions {
+  SceneOptions scene;
+  int steps = 300;
+  double margin = 0;
+  bool cold = false;  ///< asks the system to forget the files before
+};
+
+/// One way once, in a process of its own: what it needs until the first answer, per step afterwards, and of memory.
+/// The pairs of every step and, now and then, their triangles are hashed. Times are wall clock. Keys as in main.cpp.
+nlohmann::ordered_json measure(const Way& way, const std::vector<std::filesystem::path>& files,
+                               const MeasureOptions& options);
+
+}  // namespace encage::assets
