@@ -19,7 +19,7 @@ namespace encage {
 class OnDemandMesh;
 
 /// Which fine meshes are in memory. Thread safe.
-class MeshBudget {
+class ENCAGE_HIDDEN MeshBudget {
  public:
   /// Throws Error if the budget is not positive.
   explicit MeshBudget(std::int64_t bytes);
@@ -56,7 +56,7 @@ class MeshBudget {
 };
 
 /// The fine mesh of a shape, which comes and goes. While it is pinned, Shape::fine stays as it is.
-class OnDemandMesh {
+class ENCAGE_HIDDEN OnDemandMesh {
  public:
   /// The shape has its asset and cages, and owns this.
   OnDemandMesh(Shape& shape, std::string file, std::shared_ptr<MeshBudget> budget);

@@ -64,9 +64,9 @@ struct PartNode {
   std::int32_t part = -1;  ///< of a leaf
 };
 
-/// Simple, or a compound: that has parts and none of its own surfaces. Declared in a public
-/// header, but nobody else's business.
-class [[gnu::visibility("hidden")]] Shape {
+/// Simple, or a compound: that has parts and none of its own surfaces. Public headers
+/// have only its name.
+class ENCAGE_HIDDEN Shape {
  public:
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< body frame = origin + local frame
   Solid solid = Solid::closed;

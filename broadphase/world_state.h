@@ -28,7 +28,7 @@ std::string length_defect(const char* what, double length);
 ///
 /// A body is *active* while it is awake, or if it was changed after the last complete search. Pairs without an active
 /// body are not among those kept; of such a pair it is only known that it was a candidate.
-class [[gnu::visibility("hidden")]] World::State {
+class ENCAGE_HIDDEN World::State {
  public:
   ShapeId add_shape(ShapePtr shape, double margin);
   BodyId add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options);
@@ -138,7 +138,7 @@ class [[gnu::visibility("hidden")]] World::State {
   void find_fresh_pairs(double margin);
   void find_fresh_half_spaces(std::uint32_t body, bool outdated_ones, double margin);
   template <class Visit>
-  void for_each_woken(Visit && visit) const;
+  void for_each_woken(Visit&& visit) const;
   void prepare_merge();
   void merge_pairs(bool tested) noexcept;
   void note_collected() noexcept;

@@ -15,6 +15,18 @@ macro(encage_find)
   endif()
 endmacro()
 
+# The same for what comes with pkg-config alone: target PkgConfig::name.
+macro(encage_find_pc name)
+  encage_find(PkgConfig)
+  if(PkgConfig_FOUND)
+    pkg_check_modules(${name} QUIET IMPORTED_TARGET GLOBAL ${ARGN})
+  endif()
+  if(NOT TARGET PkgConfig::${name})
+    string(JOIN " " encage_reason "needs what pkg-config does not find:" ${ARGN})
+    set(Encage_${encage_component}_FOUND FALSE)
+  endif()
+endmacro()
+
 set(Encage_NOT_FOUND_MESSAGE)
 foreach(encage_component IN LISTS encage_components)
   set(Encage_${encage_component}_FOUND FALSE)

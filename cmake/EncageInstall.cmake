@@ -7,9 +7,10 @@ include(GNUInstallDirs)
 
 set(encage_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Encage)
 
-# encage_install_product(name component HEADERS… FIND… PC… PC_STATIC… PC_LIBS_STATIC…): see encage_product.
+# encage_install_product(name component development HEADERS… FIND… FIND_PC… PC… PC_STATIC… PC_LIBS_STATIC…): see
+# encage_product.
 function(encage_install_product name component development)
-  cmake_parse_arguments(PARSE_ARGV 3 arg "" "" "HEADERS;FIND;PC;PC_STATIC;PC_LIBS_STATIC")
+  cmake_parse_arguments(PARSE_ARGV 3 arg "" "" "HEADERS;FIND;FIND_PC;PC;PC_STATIC;PC_LIBS_STATIC")
   target_include_directories(encage_${name} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   install(TARGETS encage_${name} EXPORT Encage-${name}
     LIBRARY COMPONENT ${component} NAMELINK_COMPONENT ${development}
@@ -21,6 +22,9 @@ function(encage_install_product name component development)
   set(calls)
   foreach(package IN LISTS arg_FIND)
     string(APPEND calls "encage_find(${package})\n")
+  endforeach()
+  foreach(package IN LISTS arg_FIND_PC)
+    string(APPEND calls "encage_find_pc(${package})\n")
   endforeach()
   file(CONFIGURE OUTPUT Encage-${name}.cmake CONTENT "${calls}" @ONLY)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/Encage-${name}.cmake DESTINATION ${encage_package_dir}

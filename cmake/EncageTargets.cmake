@@ -27,9 +27,10 @@ endfunction()
 #   encage_product(name PARTS part… [OFFLINE]
 #                  [HEADERS header…]                         of include/encage/, if no other product has them
 #                  [FIND "package argument…"…] [FIND_STATIC …]   what find_package(Encage) has to find with it
+#                  [FIND_PC "name module…"…]                 the same by pkg-config, as PkgConfig::name
 #                  [PC module…] [PC_STATIC module…] [PC_LIBS_STATIC -llibrary…])       the same for pkg-config
 function(encage_product name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg OFFLINE "" "PARTS;HEADERS;FIND;FIND_STATIC;PC;PC_STATIC;PC_LIBS_STATIC")
+  cmake_parse_arguments(PARSE_ARGV 1 arg OFFLINE "" "PARTS;HEADERS;FIND;FIND_STATIC;FIND_PC;PC;PC_STATIC;PC_LIBS_STATIC")
   set(target encage_${name})
   add_library(${target})
   add_library(encage::${name} ALIAS ${target})
@@ -61,8 +62,8 @@ function(encage_product name)
     if(arg_OFFLINE)
       set(components offline offline_development)
     endif()
-    encage_install_product(${name} ${components} HEADERS ${arg_HEADERS} FIND ${arg_FIND} PC ${arg_PC}
-                           PC_STATIC ${arg_PC_STATIC} PC_LIBS_STATIC ${arg_PC_LIBS_STATIC})
+    encage_install_product(${name} ${components} HEADERS ${arg_HEADERS} FIND ${arg_FIND}
+                           FIND_PC ${arg_FIND_PC} PC ${arg_PC} PC_STATIC ${arg_PC_STATIC} PC_LIBS_STATIC ${arg_PC_LIBS_STATIC})
   endif()
 endfunction()
 

@@ -54,7 +54,8 @@ double contact_distance(const btCollisionShape& a, const btCollisionShape& b, co
 }  // namespace
 
 /// What the dispatcher calls for a new pair, and what its algorithms share.
-class BulletAdapter::State final : public btCollisionAlgorithmCreateFunc, public std::enable_shared_from_this<State> {
+class ENCAGE_HIDDEN BulletAdapter::State final : public btCollisionAlgorithmCreateFunc,
+                                                 public std::enable_shared_from_this<State> {
  public:
   State(btCollisionDispatcher& dispatcher, BulletContacts contacts) : dispatcher_(dispatcher), contacts_(contacts) {
     for_gimpact_types([&](int i, int j) {
@@ -129,7 +130,7 @@ class BulletAdapter::State final : public btCollisionAlgorithmCreateFunc, public
 };
 
 /// In front of the algorithm of one pair.
-class BulletAdapter::Algorithm final : public btCollisionAlgorithm {
+class ENCAGE_HIDDEN BulletAdapter::Algorithm final : public btCollisionAlgorithm {
  public:
   Algorithm(std::shared_ptr<State> state, const btCollisionAlgorithmConstructionInfo& info, btCollisionAlgorithm& inner)
       : btCollisionAlgorithm(info),
