@@ -8,7 +8,7 @@
 namespace encage {
 
 /// One rigid part of a body as queries take it: a simple shape and its motion. Of a simple shape the whole is the part.
-struct MovingPart {
+struct ENCAGE_HIDDEN MovingPart {
   const Shape* shape = nullptr;
   Motion motion;
   double slack = 0;                 ///< how far the computed motion may lead a point from its exact place
