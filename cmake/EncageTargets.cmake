@@ -63,7 +63,8 @@ function(encage_product name)
       set(components offline offline_development)
     endif()
     encage_install_product(${name} ${components} HEADERS ${arg_HEADERS} FIND ${arg_FIND}
-                           FIND_PC ${arg_FIND_PC} PC ${arg_PC} PC_STATIC ${arg_PC_STATIC} PC_LIBS_STATIC ${arg_PC_LIBS_STATIC})
+                           FIND_PC ${arg_FIND_PC} PC ${arg_PC} PC_STATIC ${arg_PC_STATIC}
+                           PC_LIBS_STATIC ${arg_PC_LIBS_STATIC})
   endif()
 endfunction()
 
