@@ -8,7 +8,7 @@
 namespace encage::bullet {
 
 /// A fine mesh, and by how much boxes of triangles are wider than the triangles to each side.
-struct BoxedMesh {
+struct ENCAGE_HIDDEN BoxedMesh {
   const Shape& shape;
   double scale;
   double growth;
