@@ -29,7 +29,7 @@ TEST_F(TwinsTool, AsksEveryKindAndMissesNothing) {
   EXPECT_EQ(json.at("pairs"), 1500);
   EXPECT_EQ(json.at("missed"), 0);
   EXPECT_TRUE(json.at("misses").empty());
-  EXPECT_EQ(json.at("kinds").size(), 12U);
+  EXPECT_EQ(json.at("kinds").size(), 14U);
   std::int64_t sum = 0;
   for (const auto& [name, kind] : json.at("kinds").items()) {
     sum += kind.at("pairs").get<std::int64_t>();
