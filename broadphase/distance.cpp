@@ -13,8 +13,6 @@
 namespace encage {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Balls around the local origins hold the bodies, unknown interiors included.
 double ball_bound(const Shape& a, const Shape& b, const RestingPair& pair, double error) {
   const double reach = (pair.scale_a * a.outer().radius + pair.scale_b * b.outer().radius) * (1 + 1e-8);
