@@ -103,6 +103,7 @@ class ENCAGE_HIDDEN World::State {
     BodyId a{}, b{};
     HalfSpaceId half_space{};
     bool apart = false;  // boxes are
+    // NOLINTNEXTLINE(modernize-use-nullptr): what the compiler writes for it
     friend auto operator<=>(const Ended&, const Ended&) = default;
   };
   // Nothing that outlasts a call: not copied.

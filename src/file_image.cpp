@@ -86,6 +86,7 @@ void FileImage::fetch(std::span<const std::byte> part) {
   if (mode_ == LoadMode::map) {
     const auto start = reinterpret_cast<std::uintptr_t>(part.data()) / page_size() * page_size();
     const auto end = reinterpret_cast<std::uintptr_t>(part.data()) + part.size();
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): where a page starts
     if (start < end) madvise(reinterpret_cast<void*>(start), end - start, MADV_WILLNEED);
     return;
   }
@@ -111,6 +112,7 @@ void FileImage::discard(std::span<const std::byte> part) noexcept {
   const std::uintptr_t page = page_size();
   const auto start = (reinterpret_cast<std::uintptr_t>(part.data()) + page - 1) / page * page;
   const auto end = (reinterpret_cast<std::uintptr_t>(part.data()) + part.size()) / page * page;
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): where a page starts
   if (start < end) madvise(reinterpret_cast<void*>(start), end - start, MADV_DONTNEED);
 }
 
