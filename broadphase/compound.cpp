@@ -91,21 +91,38 @@ std::int32_t add_count(std::int64_t before, std::size_t more, const char* what) 
   return static_cast<std::int32_t>(sum);
 }
 
-/// Adds the part, or its own parts.
-void flatten(Shape& compound, const CompoundPart& part, std::int32_t& triangles, std::int32_t& vertices) {
-  if (!part.shape->parts.empty()) {
-    for (const ShapePart& inner : part.shape->parts) {
-      flatten(compound, {inner.shape, placed(part.pose, part.scale, inner.pose), part.scale * inner.scale}, triangles,
-              vertices);
-    }
-    return;
-  }
-  const Eigen::AlignedBox3d box = world_box(*part.shape, Motion::resting(part.pose, part.scale));
-  const double offset = part.pose.translation().norm() + part.scale * part.shape->origin.norm();
-  compound.parts.push_back(
-      {part.shape, part.pose, part.scale, box, offset + part.scale * part.shape->radius, triangles, vertices});
+/// Adds a simple shape. What placed() rounds for each compound around it, as for the whole, is in the box.
+void add_part(Shape& compound, ShapePart part, std::int32_t& triangles, std::int32_t& vertices) {
+  const Eigen::Vector3d slack = Eigen::Vector3d::Constant(32 * eps * part.nesting * part.reach);
+  part.box = world_box(*part.shape, Motion::resting(part.pose, part.scale));
+  part.box = {part.box.min() - slack, part.box.max() + slack};
+  part.first_triangle = triangles;
+  part.first_vertex = vertices;
   triangles = add_count(triangles, part.shape->fine_triangles, "triangles");
   vertices = add_count(vertices, part.shape->fine_vertices, "vertices");
+  compound.parts.push_back(std::move(part));
+}
+
+/// Adds the part, or its own parts.
+void flatten(Shape& compound, const CompoundPart& part, std::int32_t& triangles, std::int32_t& vertices) {
+  const double offset = part.pose.translation().norm();
+  if (part.shape->parts.empty()) {
+    const double reach = offset + part.scale * (part.shape->origin.norm() + part.shape->radius);
+    add_part(compound, {part.shape, part.pose, part.scale, {}, reach, 0, 0, 0}, triangles, vertices);
+    return;
+  }
+  for (const ShapePart& inner : part.shape->parts) {
+    add_part(compound,
+             {inner.shape,
+              placed(part.pose, part.scale, inner.pose),
+              part.scale * inner.scale,
+              {},
+              offset + part.scale * inner.reach,  // even where places cancel
+              inner.nesting + 1,
+              0,
+              0},
+             triangles, vertices);
+  }
 }
 
 Eigen::AlignedBox3d swept_box(const Eigen::AlignedBox3d& box, const Motion& motion) {
@@ -173,7 +190,7 @@ MovingPart moving_part(const Shape& compound, std::size_t index, const Motion& m
   moving.motion.scale = motion.scale * part.scale;
   const double far = std::max(motion.start.translation().norm(), motion.end.translation().norm());
   // docs/guarantee.md, "Compounds".
-  moving.slack = 32 * eps * (motion.scale * part.reach + far);
+  moving.slack = 32 * eps * (1 + part.nesting) * (motion.scale * part.reach + far);
   moving.first_triangle = part.first_triangle;
   moving.first_vertex = part.first_vertex;
   return moving;

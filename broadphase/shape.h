@@ -54,6 +54,7 @@ struct ShapePart {
   double scale;
   Eigen::AlignedBox3d box;      ///< in the compound's frame
   double reach;                 ///< sum of the sizes that its place is computed from
+  int nesting;                  ///< compounds that it was taken out of
   std::int32_t first_triangle;  ///< of all parts' fine meshes
   std::int32_t first_vertex;
 };

@@ -265,6 +265,32 @@ TEST(Compounds, AreTakenApartWhenPutIntoOthers) {
   EXPECT_FALSE(meets(9.1, 11.1));
 }
 
+TEST(Compounds, PlacesThatCancelInNestsCountInFull) {
+  const ShapePtr cube = make_shape(shapes::cube(1));
+  Pose there = Pose::Identity(), back = Pose::Identity();
+  there.linear() = Eigen::AngleAxisd(0.7, Vector(1, 2, 3).normalized()).toRotationMatrix();
+  there.translation() = Vector(1e9, -3e8, 7e8);
+  back.linear() = there.linear().transpose();
+  back.translation() = -(back.linear() * there.translation());
+  const CompoundPart inner[] = {{cube, there}};
+  const CompoundPart outer[] = {{make_compound(inner), back}};
+  const ShapePtr nest = make_compound(outer);
+  const MovingPart part = moving_part(*nest, 0, Motion::resting(Pose::Identity()));
+  double farthest = 0;
+  for (const Vector& corner : {Vector(1, 1, 1), Vector(-1, 1, -1), Vector(1, -1, -1), Vector(-1, -1, 1)}) {
+    const LongVector moved =
+        there.linear().cast<long double>() * corner.cast<long double>() + there.translation().cast<long double>();
+    const LongVector exact = back.linear().cast<long double>() * moved + back.translation().cast<long double>();
+    const LongVector computed = part.motion.start.linear().cast<long double>() * corner.cast<long double>() +
+                                part.motion.start.translation().cast<long double>();
+    farthest = std::max(farthest, static_cast<double>((exact - computed).norm()));
+    EXPECT_TRUE(world_box(*nest, Motion::resting(Pose::Identity())).contains(exact.cast<double>()));
+  }
+  // More than the size of what is left accounts for.
+  EXPECT_GT(farthest, 1e-9);
+  EXPECT_LE(farthest, part.slack);
+}
+
 TEST(Compounds, LiveInAWorldAndAllocateNothing) {
   const ShapePtr cube = make_shape(shapes::cube(0.5));
   std::vector<CompoundPart> ring;
