@@ -35,17 +35,17 @@ void check_mesh(const TriangleMesh& mesh) {
 }
 
 /// Everything but the surfaces; what a reader has checked holds for hierarchies made otherwise, too.
-std::shared_ptr<Shape> describe(const CageHierarchy& hierarchy, const ShapeOptions& options) {
-  if (hierarchy.levels.size() > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
-  if (!hierarchy.origin.allFinite()) throw Error("hierarchy: the origin is not finite");
-  if (!(hierarchy.fine_error >= 0) || std::isinf(hierarchy.fine_error)) {
+std::shared_ptr<Shape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
+  if (levels > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
+  if (!summary.origin.allFinite()) throw Error("hierarchy: the origin is not finite");
+  if (!(summary.fine_error >= 0) || std::isinf(summary.fine_error)) {
     throw Error("hierarchy: fine_error is not a finite distance");
   }
   auto shape = std::make_shared<Shape>();
-  shape->origin = hierarchy.origin;
-  shape->solid = hierarchy.solid;
+  shape->origin = summary.origin;
+  shape->solid = summary.solid;
   shape->hollow = options.hollow;
-  shape->fine_error = hierarchy.fine_error;
+  shape->fine_error = summary.fine_error;
   return shape;
 }
 
@@ -161,7 +161,8 @@ ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options)
   if (hierarchy.levels.empty() && hierarchy.fine.triangles.rows() == 0) {
     throw Error("hierarchy has neither cages nor a fine mesh");
   }
-  const auto shape = describe(hierarchy, options);
+  const AssetSummary summary = {hierarchy.origin, hierarchy.solid, hierarchy.fine_error};
+  const auto shape = describe(summary, hierarchy.levels.size(), options);
   if (hierarchy.fine.triangles.rows() > 0) {
     set_fine(*shape, keep(*shape, make_mesh_arrays(hierarchy.fine, "fine mesh")));
   }
@@ -206,19 +207,19 @@ MeshArraysView stored_cage(const AssetView& view, std::size_t k) {
 }  // namespace
 
 ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode) {
-  AssetView view(file, Verify::cages, mode);
+  AssetView view(file, Verify::cages, mode, AssetParts::arrays);
   view.fetch_fine();
   view.verify_fine();
   view.close_file();
   const auto fine = view.fine();
-  if (!fine && view.description().levels.empty()) throw Error(file.string() + ": neither cages nor a fine mesh");
+  if (!fine && view.level_count() == 0) throw Error(file.string() + ": neither cages nor a fine mesh");
   return load_named(file, [&]() -> ShapePtr {
-    const auto shape = describe(view.description(), options);
+    const auto shape = describe(view.summary(), view.level_count(), options);
     // Assets from before trees were stored have none.
     const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
     if (!finest) return make_shape(copy_hierarchy(view), options);
     if (fine) set_fine(*shape, *finest);
-    for (std::size_t k = 0; k < view.description().levels.size(); ++k) add_cage(*shape, stored_cage(view, k));
+    for (std::size_t k = 0; k < view.level_count(); ++k) add_cage(*shape, stored_cage(view, k));
     set_outline(*shape);
     shape->asset.emplace(std::move(view));
     return shape;
@@ -227,12 +228,12 @@ ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& optio
 
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,
                     std::shared_ptr<MeshBudget> budget) {
-  AssetView view(file, Verify::cages, mode);
+  AssetView view(file, Verify::cages, mode, AssetParts::arrays);
   view.close_file();
-  const std::size_t levels = view.description().levels.size();
+  const std::size_t levels = view.level_count();
   if (levels == 0) throw Error(file.string() + ": no cages");
   return load_named(file, [&]() -> ShapePtr {
-    const auto shape = describe(view.description(), options);
+    const auto shape = describe(view.summary(), view.level_count(), options);
     const bool stored = view.cage_arrays(0).has_value();
     for (std::size_t k = 0; k < levels; ++k) {
       add_cage(*shape,

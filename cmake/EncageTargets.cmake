@@ -11,6 +11,36 @@ function(encage_settings target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
 endfunction()
 
+# Headers that most files include are compiled once for each kind of target. Whether files include what they name is
+# seen in builds without (-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON), which compiler caches need.
+if(NOT PROJECT_IS_TOP_LEVEL OR CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+endif()
+set(encage_common_headers
+  <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <atomic> <cmath> <cstdint> <filesystem> <functional> <limits> <map>
+  <memory> <mutex> <optional> <random> <set> <span> <sstream> <string> <thread> <utility> <vector>)
+
+# encage_precompile(target KIND kind [OPTIONS option…] [LIBRARIES library…] [HEADERS header…]): what is said of a kind
+# has to be the same each time. Options are those that compilers want to be equal.
+function(encage_precompile target)
+  if(CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    return()
+  endif()
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "KIND" "OPTIONS;LIBRARIES;HEADERS")
+  set(headers encage_headers_of_${arg_KIND})
+  if(NOT TARGET ${headers})
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${headers}.cpp CONTENT "")
+    add_library(${headers} OBJECT ${PROJECT_BINARY_DIR}/${headers}.cpp)
+    encage_settings(${headers})
+    target_compile_options(${headers} PRIVATE ${arg_OPTIONS})
+    target_link_libraries(${headers} PRIVATE Eigen3::Eigen ${arg_LIBRARIES})
+    target_precompile_headers(${headers} PRIVATE ${encage_common_headers} ${arg_HEADERS})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+  # g++ 12 warns wrongly of strings that are moved, where <string> is precompiled.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+endfunction()
+
 # encage_library(name sources...): a part of ours, alias encage::name. Always static, and never installed: programs
 # and tests of this project link parts and see all of them; other projects link the products made of them.
 function(encage_library name)
@@ -20,6 +50,7 @@ function(encage_library name)
   # What public headers declare says otherwise (encage/export.h).
   set_target_properties(encage_${name} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_include_directories(encage_${name} PUBLIC ${PROJECT_SOURCE_DIR}/include)
+  encage_precompile(encage_${name} KIND libraries)
 endfunction()
 
 # What other projects link as encage::name: the objects of these parts as one library, static or shared as
@@ -72,4 +103,12 @@ endfunction()
 function(encage_executable name)
   add_executable(${name} ${ARGN})
   encage_settings(${name})
+endfunction()
+
+# encage_program(name sources...): a tool with a command line.
+function(encage_program name)
+  encage_executable(${name} ${ARGN})
+  target_link_libraries(${name} PRIVATE CLI11::CLI11 nlohmann_json::nlohmann_json)
+  encage_precompile(${name} KIND programs OPTIONS ${CMAKE_CXX_COMPILE_OPTIONS_PIE}
+                    LIBRARIES CLI11::CLI11 nlohmann_json::nlohmann_json HEADERS <CLI/CLI.hpp> <nlohmann/json.hpp>)
 endfunction()

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "src/asset_glb.h"
+#include "src/asset_index.h"
 #include "src/asset_json.h"
 #include "src/hash.h"
 
@@ -92,6 +93,13 @@ void check_seal(const Glb& glb, std::span<const std::byte> bytes, Verify verify,
       to_string(hash_bytes(bytes.first(bytes.size() - seal_hash_size))) != seal.substr(seal_hash_size)) {
     throw Error(file + ": its hash does not match: the file is damaged");
   }
+}
+
+/// What is read first: the index, if it is not very long, and the seal.
+std::span<const std::byte> last_part(std::span<const std::byte> bytes) {
+  constexpr std::size_t likely_index = 4096;
+  static_assert(likely_index >= seal_size);
+  return bytes.last(std::min(likely_index, bytes.size()));
 }
 
 template <class T>
@@ -190,31 +198,115 @@ class AssetView::Parser {
   std::span<const std::byte> arrays_;
 };
 
-AssetView::AssetView(const std::filesystem::path& file, Verify verify, LoadMode mode)
+AssetView::AssetView(const std::filesystem::path& file, Verify verify, LoadMode mode, AssetParts parts)
     : image_(file, mode), name_(file.string()) {
-  if (verify == Verify::all) {
-    image_.fetch(image_.bytes());
-  } else {
-    fetch_head();
-  }
-  parse(image_.bytes(), verify);
+  image_.fetch(verify == Verify::all ? image_.bytes() : last_part(image_.bytes()));
+  read(image_.bytes(), verify, parts);
 }
 
-AssetView::AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify) : name_(name) {
+AssetView::AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify, AssetParts parts)
+    : name_(name) {
   assert(reinterpret_cast<std::uintptr_t>(bytes.data()) % asset_alignment == 0);
-  parse(bytes, verify);
+  read(bytes, verify, parts);
 }
 
-/// What parse() reads besides sections: everything before the BIN data, as far as it is in the file, and the seal.
-/// In few reads where that is small, with the cages, which are the last sections.
+const CageHierarchy& AssetView::description() const {
+  assert(description_);
+  return *description_;
+}
+
+void AssetView::read(std::span<const std::byte> bytes, Verify verify, AssetParts parts) {
+  if (parts == AssetParts::arrays && verify == Verify::cages && read_index(bytes)) return;
+  if (verify == Verify::cages) fetch_head();
+  parse(bytes, verify);
+  summary_ = {description_->origin, description_->solid, description_->fine_error};
+}
+
+/// Everything before the BIN data, as far as it is in the file: in one read where that is small.
 void AssetView::fetch_head() {
-  constexpr std::size_t likely_head = 8192, likely_cages = 65536;
-  static_assert(likely_head >= glb_start && likely_cages >= seal_size);
+  constexpr std::size_t likely_head = 8192;
+  static_assert(likely_head >= glb_start);
   const std::span<const std::byte> all = image_.bytes();
   const auto fetch_first = [&](std::size_t size) { image_.fetch(all.first(std::min(size, all.size()))); };
   fetch_first(likely_head);
   if (const std::size_t size = glb_head_size(all); size > likely_head) fetch_first(size);
-  image_.fetch(all.last(std::min(likely_cages, all.size())));
+}
+
+/// From the first section of kind `cage` on; in files that we write that is all of them.
+void AssetView::fetch_cages() {
+  const auto first = std::find_if(sections_.begin(), sections_.end(),
+                                  [](const AssetSection& section) { return section.kind == SectionKind::cage; });
+  const std::byte* const fetched = last_part(image_.bytes()).data();
+  if (first != sections_.end() && first->bytes.data() < fetched) image_.fetch({first->bytes.data(), fetched});
+}
+
+/// Sections and meshes as the index says, if there is one.
+bool AssetView::read_index(std::span<const std::byte> bytes) {
+  const auto found = find_index(bytes);
+  if (!found) return false;
+  const AssetIndex index = decode_index(*found, name_);
+  const auto end = static_cast<std::size_t>(found->data() - bytes.data());
+  std::size_t end_of_previous = 0;
+  for (std::size_t m = 0; m < index.meshes.size(); ++m) {
+    const bool is_fine = index.has_fine && m == 0;
+    const std::string mesh_name = is_fine ? fine_name : cage_name(index.has_fine ? m - 1 : m);
+    for (std::size_t k = 0; k < mesh_sections.size(); ++k) {
+      const AssetIndex::Array& array = index.meshes[m][k];
+      AssetSection& section = sections_.emplace_back();
+      section.name = section_name(mesh_name, mesh_sections[k]);
+      section.kind = is_fine ? SectionKind::fine : SectionKind::cage;
+      section.element_size = mesh_sections[k].element_size;
+      section.hash = array.hash;
+      const std::size_t start = end - array.before;
+      if (array.before > end || start < end_of_previous || start % asset_alignment != 0 || array.size == 0 ||
+          array.size > array.before || array.size % section.element_size != 0) {
+        throw Error(name_ + ": section \"" + index_name + "\": \"" + section.name + "\" cannot be where it says");
+      }
+      section.bytes = bytes.subspan(start, array.size);
+      end_of_previous = start + array.size;
+    }
+  }
+  if (!image_.bytes().empty()) fetch_cages();
+  for (std::size_t m = 0; m < index.meshes.size(); ++m) {
+    const AssetSection* const arrays = &sections_[m * mesh_sections.size()];
+    const MeshView mesh = {elements<std::array<float, 3>>(arrays[0]),
+                           elements<std::array<std::uint32_t, 3>>(arrays[1])};
+    if (arrays->kind == SectionKind::fine) {
+      fine_ = mesh;
+      continue;
+    }
+    for (std::size_t k = 0; k < mesh_sections.size(); ++k) verify_hash(arrays[k]);
+    check_mesh(mesh, name_ + ": " + cage_name(cages_.size()));
+    cages_.push_back(mesh);
+  }
+  summary_ = {index.origin, index.solid, index.fine_error};
+  return true;
+}
+
+/// It says what the JSON says.
+void AssetView::check_index(const AssetSection& section, std::size_t file_size) const {
+  const std::string place = name_ + ": section \"" + index_name + "\": ";
+  AssetIndex index;
+  index.file_size = static_cast<std::uint32_t>(file_size);
+  index.origin = description_->origin;
+  index.fine_error = description_->fine_error;
+  index.solid = description_->solid;
+  index.has_fine = fine_.has_value();
+  const std::size_t count = cages_.size() + (fine_ ? 1 : 0);
+  for (std::size_t m = 0; m < count; ++m) {
+    const std::string mesh_name = fine_ && m == 0 ? fine_name : cage_name(fine_ ? m - 1 : m);
+    AssetIndex::Mesh& mesh = index.meshes.emplace_back();
+    for (std::size_t k = 0; k < mesh_sections.size(); ++k) {
+      const AssetSection* const array = find_section(section_name(mesh_name, mesh_sections[k]));
+      if (!array) throw Error(place + "there is no section \"" + section_name(mesh_name, mesh_sections[k]) + "\"");
+      mesh[k] = {static_cast<std::uint32_t>(section.bytes.data() - array->bytes.data()),
+                 static_cast<std::uint32_t>(array->bytes.size()), array->hash};
+    }
+  }
+  const std::string expected = encode_index(index);
+  if (!std::ranges::equal(std::as_bytes(std::span(expected)), section.bytes)) {
+    throw Error(place + "does not say what the JSON says");
+  }
 }
 
 void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
@@ -226,26 +318,28 @@ void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
 
   Parser parser(root, extension, glb.bin.first(glb.bin.size() - seal_size));
   sections_ = parser.read_sections();
+  if (verify == Verify::cages && !image_.bytes().empty()) fetch_cages();
   for (const AssetSection& section : sections_) {
-    if (section.kind == SectionKind::fine && verify == Verify::cages) continue;
-    if (verify == Verify::cages) image_.fetch(section.bytes);
-    verify_hash(section);
+    if (section.kind == SectionKind::cage || verify == Verify::all) verify_hash(section);
   }
   description_ = read_description(extension);
-  check_description(description_, name_);
+  check_description(*description_, name_);
 
   std::int64_t next_mesh = 0;
   if (const auto fine = extension.find("fine_mesh")) {
     fine_ = parser.read_mesh(fine->integer(), SectionKind::fine, sections_);
-    check_caps(description_.cap_count, static_cast<std::int64_t>(fine_->triangles.size()), name_);
+    check_caps(description_->cap_count, static_cast<std::int64_t>(fine_->triangles.size()), name_);
     next_mesh = fine->integer() + 1;
   }
-  for (std::size_t i = 0; i < description_.levels.size(); ++i) {
+  for (std::size_t i = 0; i < description_->levels.size(); ++i) {
     const JsonNode mesh = extension.at("levels").at(static_cast<std::int64_t>(i)).at("mesh");
     if (mesh.integer() < next_mesh) mesh.fail("the meshes do not go from fine to coarse");
     cages_.push_back(parser.read_mesh(mesh.integer(), SectionKind::cage, sections_));
     next_mesh = mesh.integer() + 1;
     check_mesh(cages_.back(), name_ + ": " + cage_name(i));
+  }
+  if (const AssetSection* const index = find_section(index_name); index && verify == Verify::all) {
+    check_index(*index, bytes.size());
   }
 }
 
@@ -261,12 +355,12 @@ std::optional<MeshArraysView> AssetView::cage_arrays(std::size_t level) const {
 std::optional<MeshArraysView> AssetView::fine_arrays() const { return arrays(*fine_, fine_name); }
 
 std::optional<MeshArraysView> AssetView::arrays(const MeshView& mesh, const std::string& mesh_name) const {
-  if (!find_section(mesh_name + " boxes")) return std::nullopt;
-  const MeshArraysView view = {
-      mesh,
-      {array<WideNode>(mesh_name + " boxes"), array<LeafTriangle>(mesh_name + " leaves"), make_grid(mesh.vertices)},
-      array<OwnedFeatures>(mesh_name + " owned"),
-      array<MeshPart>(mesh_name + " parts")};
+  const auto named = [&](std::size_t k) { return section_name(mesh_name, mesh_sections[k]); };
+  if (!find_section(named(2))) return std::nullopt;
+  const MeshArraysView view = {mesh,
+                               {array<WideNode>(named(2)), array<LeafTriangle>(named(3)), make_grid(mesh.vertices)},
+                               array<OwnedFeatures>(named(4)),
+                               array<MeshPart>(named(5))};
   check_arrays(view, name_ + ": " + mesh_name);
   return view;
 }

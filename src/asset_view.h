@@ -33,6 +33,19 @@ struct AssetSection {
   Hash hash;                         ///< of the bytes, as the file says
 };
 
+/// What is read of an asset.
+enum class AssetParts {
+  all,
+  arrays,  ///< what queries need, from the index if there is one: no JSON is parsed, there is no description
+};
+
+/// What queries need to know of a hierarchy besides its meshes.
+struct AssetSummary {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Solid solid = Solid::closed;
+  double fine_error = 0;
+};
+
 /// An asset used in place, without parsing of its arrays (docs/asset.md). Everything handed
 /// out points into the file's image, which stays at its address as long as the view lives, wherever that is moved.
 /// Safe to read from any number of threads, but for fetch_fine() and discard_fine().
@@ -40,13 +53,19 @@ class AssetView {
  public:
   /// Throws Error naming file, section and reason. With LoadMode::copy and Verify::cages, sections of kind `fine` are
   /// zeros until fetch_fine() reads them.
-  AssetView(const std::filesystem::path& file, Verify verify, LoadMode mode = LoadMode::map);
+  AssetView(const std::filesystem::path& file, Verify verify, LoadMode mode = LoadMode::map,
+            AssetParts parts = AssetParts::all);
   /// An asset that lies in memory, at an address divisible by 64 (asserted). The
   /// caller keeps the bytes alive; `name` stands for the file in messages.
-  AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify);
+  AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify,
+            AssetParts parts = AssetParts::all);
 
-  /// The hierarchy without its meshes.
-  const CageHierarchy& description() const { return description_; }
+  /// Whether the index was enough.
+  bool has_description() const { return description_.has_value(); }
+  /// The hierarchy without its meshes; has_description() asserted.
+  const CageHierarchy& description() const;
+  const AssetSummary& summary() const { return summary_; }
+  std::size_t level_count() const { return cages_.size(); }
   const MeshView& cage(std::size_t level) const { return cages_[level]; }
   /// No value if the asset holds no fine mesh. Validates the arrays, in linear
   /// time, but does not verify their hashes. Throws Error.
@@ -78,7 +97,11 @@ class AssetView {
 
  private:
   class Parser;
+  void read(std::span<const std::byte> bytes, Verify verify, AssetParts parts);
+  bool read_index(std::span<const std::byte> bytes);
+  void check_index(const AssetSection& index, std::size_t file_size) const;
   void fetch_head();
+  void fetch_cages();
   template <class Do>
   void for_each_fine_run(Do&& act) const;
   void parse(std::span<const std::byte> bytes, Verify verify);
@@ -88,7 +111,8 @@ class AssetView {
 
   FileImage image_;
   std::string name_;
-  CageHierarchy description_;
+  std::optional<CageHierarchy> description_;
+  AssetSummary summary_;
   std::vector<AssetSection> sections_;
   std::vector<MeshView> cages_;
   std::optional<MeshView> fine_;

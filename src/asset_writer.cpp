@@ -5,12 +5,16 @@
 #include <encage/version.h>
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <span>
 #include <vector>
 
 #include "src/asset_glb.h"
+#include "src/asset_index.h"
 #include "src/asset_json.h"
 #include "src/asset_rules.h"
 #include "src/asset_view.h"
@@ -51,6 +55,7 @@ class Encoder {
       levels.push_back(certificate_json(hierarchy_.levels[i].certificate));
       levels.back()["mesh"] = add_mesh(hierarchy_.levels[i].mesh, SectionKind::cage, cage_name(i));
     }
+    reserve_index();
     extension["levels"] = std::move(levels);
     extension["sections"] = std::move(sections_);
     finish_document(generator, std::move(extension));
@@ -105,26 +110,54 @@ class Encoder {
         high[k] = std::max(high[k], vertex[k]);
       }
     }
+    const auto add = [&](std::size_t k, const auto& elements, int target = 0) {
+      assert(sizeof(elements[0]) == mesh_sections[k].element_size);
+      return add_section(elements, kind, section_name(mesh_name, mesh_sections[k]), target);
+    };
     const std::size_t accessor = accessors_.size(), index = meshes_.size();
-    accessors_.push_back({{"bufferView", add_section(vertices, kind, mesh_name + " vertices", array_buffer)},
+    accessors_.push_back({{"bufferView", add(0, vertices, array_buffer)},
                           {"componentType", float32},
                           {"count", vertices.size()},
                           {"max", high},
                           {"min", low},
                           {"type", "VEC3"}});
-    accessors_.push_back({{"bufferView", add_section(triangles, kind, mesh_name + " triangles", element_array_buffer)},
+    accessors_.push_back({{"bufferView", add(1, triangles, element_array_buffer)},
                           {"componentType", uint32},
                           {"count", triangles.size() * 3},
                           {"type", "SCALAR"}});
-    add_section(arrays.tree.nodes, kind, mesh_name + " boxes");
-    add_section(arrays.tree.leaves, kind, mesh_name + " leaves");
-    add_section(arrays.owned, kind, mesh_name + " owned");
-    add_section(arrays.parts, kind, mesh_name + " parts");
+    add(2, arrays.tree.nodes);
+    add(3, arrays.tree.leaves);
+    add(4, arrays.owned);
+    add(5, arrays.parts);
     json primitive = {{"attributes", {{"POSITION", accessor}}}, {"indices", accessor + 1}, {"mode", triangle_mode}};
     if (kind == SectionKind::cage) primitive["material"] = 0;
     meshes_.push_back({{"name", mesh_name}, {"primitives", json::array({std::move(primitive)})}});
     const Eigen::Vector3d& o = hierarchy_.origin;
     nodes_.push_back({{"mesh", index}, {"name", mesh_name}, {"translation", {o.x(), o.y(), o.z()}}});
+    return index;
+  }
+
+  /// Behind all arrays, zeros for now: it holds the size of the file.
+  void reserve_index() {
+    if (meshes_.size() > AssetIndex::most_meshes) return;
+    const std::vector<std::array<char, index_element_size>> zeros(index_size(meshes_.size()) / index_element_size);
+    add_section(zeros, SectionKind::cage, index_name);
+  }
+
+  AssetIndex make_index(std::size_t file_size) const {
+    AssetIndex index;
+    index.file_size = static_cast<std::uint32_t>(file_size);
+    index.origin = hierarchy_.origin;
+    index.fine_error = hierarchy_.fine_error;
+    index.solid = hierarchy_.solid;
+    index.has_fine = hierarchy_.fine.triangles.rows() > 0;
+    index.meshes.resize(stored_.size() / mesh_sections.size());
+    const std::size_t place = stored_.back().place;
+    for (std::size_t i = 0; i + 1 < stored_.size(); ++i) {
+      const StoredArray& array = stored_[i];
+      index.meshes[i / mesh_sections.size()][i % mesh_sections.size()] = {
+          static_cast<std::uint32_t>(place - array.place), static_cast<std::uint32_t>(array.size), array.hash};
+    }
     return index;
   }
 
@@ -134,11 +167,13 @@ class Encoder {
                           int target = 0) {
     const std::span<const std::byte> bytes = std::as_bytes(std::span(elements));
     const std::size_t index = views_.size();
+    const Hash hash = hash_bytes(bytes);
+    stored_.push_back({bin_.size(), bytes.size(), hash});
     views_.push_back({{"buffer", 0}, {"byteLength", bytes.size()}, {"byteOffset", bin_.size()}});
     if (target != 0) views_.back()["target"] = target;
     sections_.push_back({{"bufferView", index},
                          {"element_size", sizeof(T)},
-                         {"hash", to_string(hash_bytes(bytes))},
+                         {"hash", to_string(hash)},
                          {"kind", name(kind)},
                          {"name", section_name}});
     bin_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -167,8 +202,16 @@ class Encoder {
                  {"scenes", json::array({{{"nodes", std::move(scene_nodes)}}})}};
   }
 
-  std::string seal() const {
+  std::string seal() {
     std::string bytes = glb_head(dump(), bin_.size() + seal_size, file_);
+    if (stored_.size() % mesh_sections.size() == 1) {
+      // Its hash has as many digits as that of zeros.
+      const std::string index = encode_index(make_index(bytes.size() + bin_.size() + seal_size));
+      bin_.replace(stored_.back().place, index.size(), index);
+      document_["extensions"][asset_extension]["sections"].back()["hash"] =
+          to_string(hash_bytes(std::as_bytes(std::span(index))));
+      bytes = glb_head(dump(), bin_.size() + seal_size, file_);
+    }
     const std::string head_hash = to_string(hash_bytes(std::as_bytes(std::span(bytes))));
     bytes += bin_;
     bytes += head_hash;
@@ -186,7 +229,12 @@ class Encoder {
 
   const CageHierarchy& hierarchy_;
   const std::string& file_;
+  struct StoredArray {
+    std::size_t place, size;  // in bin_
+    Hash hash;
+  };
   std::string bin_;
+  std::vector<StoredArray> stored_;
   json views_ = json::array(), accessors_ = json::array(), meshes_ = json::array(), nodes_ = json::array();
   json sections_ = json::array(), document_;
 };

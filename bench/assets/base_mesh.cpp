@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -84,9 +85,10 @@ class Sphere {
 
 }  // namespace
 
-TriangleMesh make_base_mesh(int number) {
+TriangleMesh make_base_mesh(int number, int triangles) {
   std::mt19937 random(static_cast<std::uint32_t>(number) + 1);
-  const Sphere sphere(50 + static_cast<int>(random() % 12));
+  const auto middle = static_cast<unsigned>(std::sqrt(triangles / 8.0));
+  const Sphere sphere(static_cast<int>(middle * 9 / 10 + random() % (middle / 5 + 1)));
   const std::vector<Arm> arms = make_arms(random);
   TriangleMesh mesh;
   mesh.vertices.resize(static_cast<Eigen::Index>(sphere.points.size()), 3);

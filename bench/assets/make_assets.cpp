@@ -15,9 +15,9 @@ namespace encage::assets {
 namespace {
 
 /// Variant 0 is the base itself.
-std::filesystem::path name(const std::filesystem::path& folder, int base, int variant) {
+std::filesystem::path name(const std::filesystem::path& folder, const AssetOptions& options, int base, int variant) {
   char text[64];
-  std::snprintf(text, sizeof text, "star%03d_%03d.glb", base, variant);
+  std::snprintf(text, sizeof text, "star%d_%03d_%03d.glb", options.triangles, base, variant);
   return folder / text;
 }
 
@@ -33,8 +33,9 @@ CageHierarchy read_or_bake(const std::filesystem::path& file, const TriangleMesh
 
 }  // namespace
 
-void make_assets(const std::filesystem::path& folder, int count, int bases, const BakeContext& context) {
+void make_assets(const std::filesystem::path& folder, const AssetOptions& options, const BakeContext& context) {
   std::filesystem::create_directories(folder);
+  const auto [count, bases, triangles] = options;
   int done = 0;
   for (int base = 0; base < bases; ++base) {
     std::optional<TriangleMesh> mesh;
@@ -42,10 +43,10 @@ void make_assets(const std::filesystem::path& folder, int count, int bases, cons
     for (int variant = 0; base + variant * bases < count; ++variant, ++done) {
       if (context.progress) context.progress(static_cast<double>(done) / count, "making assets");
       if (context.cancel && *context.cancel) throw Cancelled();
-      const std::filesystem::path file = name(folder, base, variant);
+      const std::filesystem::path file = name(folder, options, base, variant);
       if (std::filesystem::exists(file)) continue;
-      if (!mesh) mesh = make_base_mesh(base);
-      if (!hierarchy) hierarchy = read_or_bake(name(folder, base, 0), *mesh, context);
+      if (!mesh) mesh = make_base_mesh(base, triangles);
+      if (!hierarchy) hierarchy = read_or_bake(name(folder, options, base, 0), *mesh, context);
       if (variant == 0) continue;
       const Variant v = make_variant(variant);
       write_asset(file, transform(*hierarchy, v, sanitize(transform(*mesh, v)).hash));
@@ -53,15 +54,16 @@ void make_assets(const std::filesystem::path& folder, int count, int bases, cons
   }
 }
 
-AssetFiles find_assets(const std::filesystem::path& folder, int count, int bases) {
+AssetFiles find_assets(const std::filesystem::path& folder, const AssetOptions& options) {
+  const auto [count, bases, triangles] = options;
   AssetFiles found;
   for (int i = 0; i < count; ++i) {
-    found.files.push_back(name(folder, i % bases, i / bases));
+    found.files.push_back(name(folder, options, i % bases, i / bases));
     found.bytes += static_cast<std::int64_t>(std::filesystem::file_size(found.files.back()));
   }
   for (int base = 0; base < bases && base < count; ++base) {
     const int variants = (count - base - 1) / bases + 1;
-    found.triangles += variants * make_base_mesh(base).triangles.rows();
+    found.triangles += variants * make_base_mesh(base, triangles).triangles.rows();
   }
   return found;
 }

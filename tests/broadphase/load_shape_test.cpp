@@ -120,6 +120,7 @@ TEST(LoadShape, IsTheShapeMadeOfTheHierarchy) {
     // In place: nothing is built or copied.
     EXPECT_TRUE(loaded->owned_arrays.empty());
     EXPECT_TRUE(loaded->asset.has_value());
+    EXPECT_FALSE(loaded->asset->has_description());  // the index was enough
     const AssetSection* nodes = loaded->asset->find_section("cage 1 boxes");
     EXPECT_EQ(static_cast<const void*>(loaded->cages[0].tree.nodes.data()), nodes->bytes.data());
   }
@@ -129,6 +130,7 @@ TEST(LoadShape, ReadsAssetsFromBeforeItsTreesWereStored) {
   const std::string data = ENCAGE_TEST_DATA;
   const ShapePtr recent = load_shape(data + "/asset_v1_boxes.glb");
   EXPECT_TRUE(recent->asset.has_value());
+  EXPECT_TRUE(recent->asset->has_description());  // no index
   expect_same(*recent, *make_shape(sample_hierarchy()));
   for (const char* before : {"/asset_v1.glb", "/asset_v1_trees.glb"}) {
     const ShapePtr old = load_shape(data + before);
@@ -194,7 +196,7 @@ TEST(LoadShape, NamesFileAndSectionOfADamagedByte) {
   const std::string good = read_bytes(file.path());
   const std::size_t bin = parse_glb(as_byte_span(good), "f").head.size();
   const std::vector<std::string> names = section_names(good);
-  EXPECT_EQ(names.size(), 18U);
+  EXPECT_EQ(names.size(), 19U);
   for (const std::string& name : names) {
     const auto [offset, size] = place_of(good, name);
     for (const std::size_t at : {std::size_t{0}, size / 2, size - 1}) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +16,7 @@
 #include <string>
 
 #include "src/asset_glb.h"
+#include "src/asset_index.h"
 #include "src/asset_rules.h"
 #include "src/hash.h"
 
@@ -42,15 +44,21 @@ class AlignedBytes {
 };
 
 /// Changes the JSON and the arrays of an asset and hashes all anew: what an
-/// attacker or a faulty writer could make, and no hash can notice.
+/// attacker or a faulty writer could make, and no hash can notice. There is no index any more, which would tell.
 inline std::string forge(const std::string& asset, const std::function<void(nlohmann::json&)>& edit_json,
                          const std::function<void(std::string& bin)>& edit_bin = {}) {
   const Glb glb = parse_glb(as_byte_span(asset), "asset");
   nlohmann::json document = nlohmann::json::parse(glb.json);
   std::string bin(reinterpret_cast<const char*>(glb.bin.data()), glb.bin.size() - seal_size);
+  auto& sections = document["extensions"][asset_extension]["sections"];
+  if (!sections.empty() && sections.back()["name"] == index_name) {
+    const auto& view = document["bufferViews"][sections.back()["bufferView"].get<std::size_t>()];
+    std::fill_n(bin.begin() + view["byteOffset"].get<std::ptrdiff_t>(), view["byteLength"].get<std::size_t>(), '\0');
+    sections.erase(sections.size() - 1);
+  }
   if (edit_bin) {
     edit_bin(bin);
-    for (auto& section : document["extensions"][asset_extension]["sections"]) {
+    for (auto& section : sections) {
       const auto& view = document["bufferViews"][section["bufferView"].get<std::size_t>()];
       section["hash"] =
           to_string(hash_bytes(as_byte_span(bin).subspan(view["byteOffset"].get<std::size_t>(), view["byteLength"])));

@@ -54,7 +54,7 @@ CageHierarchy round_trip(const CageHierarchy& hierarchy) {
 
 TEST(AssetReader, golden_file_of_version_1_stays_readable) {
   // The first one is from before trees were stored.
-  for (const char* file : {"/asset_v1.glb", "/asset_v1_trees.glb", "/asset_v1_boxes.glb"}) {
+  for (const char* file : {"/asset_v1.glb", "/asset_v1_trees.glb", "/asset_v1_boxes.glb", "/asset_v1_index.glb"}) {
     expect_same(read_asset(std::string(ENCAGE_TEST_DATA) + file, Verify::all), sample_hierarchy());
   }
 }

@@ -34,7 +34,8 @@ json& extension(json& document) { return document["extensions"]["ENCAGE_cages"];
 TEST(AssetView, shows_aligned_arrays_in_place) {
   const AlignedBytes bytes(sample());
   const AssetView view(bytes.span(), "f.glb", Verify::all);
-  ASSERT_EQ(view.sections().size(), 18U);  // of three meshes: vertices, triangles, boxes, leaves, owned, parts
+  // Of three meshes vertices, triangles, boxes, leaves, owned, parts; the index.
+  ASSERT_EQ(view.sections().size(), 19U);
   for (const AssetSection& section : view.sections()) {
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(section.bytes.data()) % 64, 0U);
     EXPECT_EQ((section.bytes.data() - bytes.span().data()) % 64, 0);
@@ -134,8 +135,8 @@ TEST(AssetView, refuses_arrays_out_of_place) {
             "f.glb: JSON.bufferViews[1].byteLength: 9223372036854775807 is out of range");
   EXPECT_EQ(refusal(edit("byteOffset", -64)), "f.glb: JSON.bufferViews[1].byteOffset: -64 is out of range");
   EXPECT_EQ(refusal(edit("buffer", 1)), view + "not in the BIN chunk");
-  EXPECT_EQ(refusal([](json& d) { extension(d)["sections"][1]["bufferView"] = 18; }),
-            "f.glb: JSON.bufferViews: has no element 18, only 18");
+  EXPECT_EQ(refusal([](json& d) { extension(d)["sections"][1]["bufferView"] = 19; }),
+            "f.glb: JSON.bufferViews: has no element 19, only 19");
   EXPECT_EQ(refusal([](json& d) { extension(d)["sections"][1]["name"] = "source vertices"; }),
             "f.glb: JSON.extensions.ENCAGE_cages.sections[1]: a second section \"source vertices\"");
   EXPECT_EQ(refusal([](json& d) { extension(d)["sections"][1]["kind"] = "soup"; }),

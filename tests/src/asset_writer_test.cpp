@@ -28,7 +28,7 @@ std::string refusal(Edit&& edit) {
 }
 
 TEST(AssetWriter, writes_the_bytes_of_the_golden_file) {
-  EXPECT_EQ(encode(sample_hierarchy()), read_bytes(ENCAGE_TEST_DATA "/asset_v1_boxes.glb"));
+  EXPECT_EQ(encode(sample_hierarchy()), read_bytes(ENCAGE_TEST_DATA "/asset_v1_index.glb"));
 }
 
 TEST(AssetWriter, names_itself_as_generator) {

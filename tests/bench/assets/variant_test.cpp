@@ -55,11 +55,11 @@ TEST(Variants, AreDifferent) {
 TEST(BaseMeshes, AreClosedSolidsOfTheirOwn) {
   std::set<Eigen::Index> sizes;
   for (int number = 0; number < 6; ++number) {
-    const SourceMesh mesh = sanitize(make_base_mesh(number));
+    const SourceMesh mesh = sanitize(make_base_mesh(number, 25'000));
     EXPECT_TRUE(mesh.manifold);
     EXPECT_EQ(mesh.solid, Solid::closed);
     EXPECT_EQ(mesh.report.flipped_components, 0);
-    EXPECT_GE(mesh.clean.triangles.rows(), 20'000);
+    EXPECT_GE(mesh.clean.triangles.rows(), 19'000);
     EXPECT_LE(mesh.clean.triangles.rows(), 30'000);
     EXPECT_LT(mesh.clean.vertices.rowwise().norm().maxCoeff(), 1.6);
     sizes.insert(mesh.clean.triangles.rows());

@@ -16,7 +16,7 @@ namespace {
 class MicroTool : public testing::Test {
  protected:
   RunResult micro(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), ENCAGE_MICRO_BINARY);
+    arguments.emplace(arguments.begin(), ENCAGE_MICRO_BINARY);
     return run(arguments, folder.path());
   }
 

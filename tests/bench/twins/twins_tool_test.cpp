@@ -15,7 +15,7 @@ namespace {
 class TwinsTool : public testing::Test {
  protected:
   RunResult twins(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), ENCAGE_TWINS_BINARY);
+    arguments.emplace(arguments.begin(), ENCAGE_TWINS_BINARY);
     return run(arguments, folder.path());
   }
 

@@ -17,7 +17,7 @@ class CommandTest : public ::testing::Test {
   CommandTest() { folder.write("model.obj", to_obj(torus(24, 12))); }
 
   RunResult encage(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), ENCAGE_BINARY);
+    arguments.emplace(arguments.begin(), ENCAGE_BINARY);
     return run(arguments, folder.path());
   }
 
