@@ -37,8 +37,10 @@ function(encage_precompile target)
     target_precompile_headers(${headers} PRIVATE ${encage_common_headers} ${arg_HEADERS})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${headers})
-  # g++ 12 warns wrongly of strings that are moved, where <string> is precompiled.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+  # g++ 12 does not know the standard library by its place any more and warns, wrongly, of the code that it inlines.
+  foreach(warning array-bounds free-nonheap-object maybe-uninitialized restrict stringop-overflow stringop-overread)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-${warning}>)
+  endforeach()
 endfunction()
 
 # encage_library(name sources...): a part of ours, alias encage::name. Always static, and never installed: programs

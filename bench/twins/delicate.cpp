@@ -69,4 +69,16 @@ Setting Setting::any(TwinRandom& random) {
   return setting;
 }
 
+TrianglePairSample random_triangle_pair(TwinRandom& random) {
+  TriangleD a = random_triangle(random), b = random_triangle(random);
+  if (random.below(4) != 0) {
+    const Vector by = point_of(random, a) - point_of(random, b) + random_gap(random, a, b);
+    for (Vector& v : b) v += by;
+  }
+  const Setting setting = Setting::any(random);
+  setting.apply(a);
+  setting.apply(b);
+  return {a, b, setting};
+}
+
 }  // namespace encage::twins

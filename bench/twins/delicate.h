@@ -34,4 +34,11 @@ struct Setting {
   }
 };
 
+struct TrianglePairSample {
+  TriangleD a, b;
+  Setting setting;  ///< applied
+};
+/// Usually near each other.
+TrianglePairSample random_triangle_pair(test::TwinRandom& random);
+
 }  // namespace encage::twins

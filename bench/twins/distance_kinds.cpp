@@ -74,14 +74,7 @@ class BodyDistances : public PairKind {
 class TriangleDistances : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t) const override {
-    TriangleD a = random_triangle(random), b = random_triangle(random);
-    if (random.below(4) != 0) {
-      const Vector by = point_of(random, a) - point_of(random, b) + random_gap(random, a, b);
-      for (Vector& v : b) v += by;
-    }
-    const Setting setting = Setting::any(random);
-    setting.apply(a);
-    setting.apply(b);
+    const auto [a, b, setting] = random_triangle_pair(random);
     double norm = 0;
     for (int k = 0; k < 3; ++k) norm = std::max({norm, a[k].norm(), b[k].norm()});
     const double error = 16 * std::numeric_limits<double>::epsilon() * norm;

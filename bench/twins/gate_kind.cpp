@@ -7,6 +7,7 @@
 
 #include "bench/twins/pair_kind.h"
 #include "broadphase/box_gate.h"
+#include "tests/broadphase/sample_trees.h"
 #include "tests/broadphase/sampled.h"
 #include "tests/shapes.h"
 
@@ -14,25 +15,11 @@ namespace encage::twins {
 
 using test::Real;
 using test::RealTriangle;
+using test::SampleTree;
 using test::TwinRandom;
 using Vector = Eigen::Vector3d;
 
 namespace {
-
-struct Tree {
-  TriangleMesh mesh;
-  MeshArrays arrays;
-  double radius = 0;
-
-  explicit Tree(TriangleMesh m) : mesh(std::move(m)) {
-    mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
-    // Meshes hold no denormal numbers.
-    mesh.vertices = (mesh.vertices.array().abs() < std::numeric_limits<float>::min()).select(0, mesh.vertices);
-    arrays = make_mesh_arrays(mesh, "mesh");
-    radius = mesh.vertices.rowwise().norm().maxCoeff() * (1 + 1e-12);
-  }
-  GateBody body() const { return {radius, arrays.tree.grid}; }
-};
 
 /// Of size 1: with faces across the axes and not, flat, thin, degenerate, off the local origin.
 std::vector<TriangleMesh> gate_meshes() {
@@ -53,8 +40,8 @@ class GatePairs : public PairKind {
     // From the smallest to the largest that float32 holds.
     const double size = std::array{1.0, 1.0, 1.0, 1.0, 1e-20, 1e-30, 1e-37, 1e30, 6e37}[random.below(9)];
     const bool moved = size == 1 && random.below(4) == 0;
-    const Tree a = tree(random, size, moved), b = tree(random, size * unlike(random), moved);
-    const auto triangle = [&](const Tree& t) {
+    const SampleTree a = tree(random, size, moved), b = tree(random, size * unlike(random), moved);
+    const auto triangle = [&](const SampleTree& t) {
       return static_cast<std::int64_t>(random.below(static_cast<unsigned>(t.mesh.triangles.rows())));
     };
     const std::int64_t i = triangle(a), j = triangle(b);
@@ -74,13 +61,13 @@ class GatePairs : public PairKind {
  private:
   static double unlike(TwinRandom& random) { return random.below(4) == 0 ? std::pow(10.0, -random.uniform(0, 4)) : 1; }
 
-  Tree tree(TwinRandom& random, double factor, bool moved) const {
+  SampleTree tree(TwinRandom& random, double factor, bool moved) const {
     TriangleMesh mesh = meshes_[random.below(static_cast<unsigned>(meshes_.size()))];
     mesh = shapes::scaled(mesh, factor);
-    return Tree(moved ? shapes::moved(mesh, random.point(1e6)) : mesh);
+    return SampleTree(moved ? shapes::moved(mesh, random.point(1e6)) : mesh);
   }
 
-  static Vector point_in(TwinRandom& random, const Tree& tree, std::int64_t triangle) {
+  static Vector point_in(TwinRandom& random, const SampleTree& tree, std::int64_t triangle) {
     const double u = random.coin() ? 0 : random.uniform(0, 1), v = random.uniform(0, 1 - u);
     const TriangleMesh& m = tree.mesh;
     return (1 - u - v) * m.corner(triangle, 0) + u * m.corner(triangle, 1) + v * m.corner(triangle, 2);
@@ -96,8 +83,8 @@ class GatePairs : public PairKind {
   }
 
   /// Points of both triangles at the same place at a time, or nearly.
-  static PairMotion step(TwinRandom& random, const Tree& a, std::int64_t i, const Tree& b, std::int64_t j, double t,
-                         double size) {
+  static PairMotion step(TwinRandom& random, const SampleTree& a, std::int64_t i, const SampleTree& b, std::int64_t j,
+                         double t, double size) {
     const double angle = random.below(3) == 0 ? 3.12 : 0.3, way = random.coin() ? 2 : 0.2;
     const auto turn = [&](double most) {
       return Eigen::AngleAxisd(random.uniform(-most, most), random.direction()).toRotationMatrix();
@@ -120,7 +107,7 @@ class GatePairs : public PairKind {
 
   using Posed = std::vector<std::vector<RealTriangle>>;  // by time
 
-  static Posed posed(const Tree& tree, const std::array<AffineMap, 2>& maps, const std::vector<Real>& times) {
+  static Posed posed(const SampleTree& tree, const std::array<AffineMap, 2>& maps, const std::vector<Real>& times) {
     Posed result;
     for (const Real t : times) {
       std::vector<RealTriangle>& all = result.emplace_back();
@@ -158,9 +145,9 @@ class GatePairs : public PairKind {
     return true;
   }
 
-  static std::vector<bool> visited(const Tree& a, const Tree& b, const BoxGate& gate) {
+  static std::vector<bool> visited(const SampleTree& a, const SampleTree& b, const BoxGate& gate) {
     struct Context {
-      const Tree &a, &b;
+      const SampleTree &a, &b;
       std::vector<bool> found;
     } context{a, b, std::vector<bool>(static_cast<std::size_t>(a.mesh.triangles.rows() * b.mesh.triangles.rows()))};
     visit_leaf_pairs(
@@ -181,8 +168,8 @@ class GatePairs : public PairKind {
   }
 
   /// Every pair of triangles that is not visited is farther apart than the distance asked for.
-  static Outcome compare(TwinRandom& random, const Tree& a, std::int64_t picked_a, const Tree& b, std::int64_t picked_b,
-                         const PairMotion& motion, const std::vector<Real>& times, double size) {
+  static Outcome compare(TwinRandom& random, const SampleTree& a, std::int64_t picked_a, const SampleTree& b,
+                         std::int64_t picked_b, const PairMotion& motion, const std::vector<Real>& times, double size) {
     const Posed posed_a = posed(a, motion.a, times), posed_b = posed(b, motion.b, times);
     // So that some pair just has to be visited, or a tiny one.
     const Real infinity = std::numeric_limits<Real>::infinity();

@@ -49,14 +49,7 @@ std::string text(const TriangleD& t) {
 class TrianglePairs : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t) const override {
-    TriangleD a = random_triangle(random), b = random_triangle(random);
-    if (random.below(4) != 0) {
-      const Vector by = point_of(random, a) - point_of(random, b) + random_gap(random, a, b);
-      for (Vector& v : b) v += by;
-    }
-    const Setting setting = Setting::any(random);
-    setting.apply(a);
-    setting.apply(b);
+    const auto [a, b, setting] = random_triangle_pair(random);
     // Any, or just what their distance is.
     double margin = 0;
     if (random.coin()) margin = std::pow(10.0, -random.uniform(0, 8)) * setting.scale;

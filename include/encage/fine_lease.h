@@ -11,7 +11,8 @@ class Shape;
 class OnDemandMesh;
 
 /// Keeps the fine mesh of a shape of a ShapeCache in memory while it lives. Queries take their own; hold one where a
-/// mesh must not be evicted between queries, or to have it read ahead of them. Nothing to do for other shapes.
+/// mesh must not be evicted between queries, or to have it read ahead of them. Of a compound, take its parts; for other
+/// shapes there is nothing to do.
 /// The shape must outlive it. A lease may be passed to another thread; any number of leases per shape.
 class FineLease {
  public:

@@ -2,11 +2,12 @@
 #include "broadphase/box_distance.h"
 
 #include "src/mesh_arrays.h"
+#include "tests/broadphase/sample_trees.h"
 #include "tests/broadphase/sampled.h"
+#include "tests/broadphase/simd_targets.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <limits>
@@ -19,39 +20,14 @@ namespace {
 
 using Leaves = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t>;
 
-struct Tree {
-  TriangleMesh mesh;
-  MeshArrays arrays;
-  double radius = 0;
-
-  explicit Tree(TriangleMesh m) : mesh(std::move(m)) {
-    mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
-    arrays = make_mesh_arrays(mesh, "mesh");
-    radius = mesh.vertices.rowwise().norm().maxCoeff() * (1 + 1e-12);
-  }
-  GateBody body(double scale) const { return {radius, arrays.tree.grid, scale}; }
-};
-
-std::vector<Tree> trees() {
-  std::vector<Tree> all;
-  all.emplace_back(shapes::torus(1, 0.35, 12, 6));
-  all.emplace_back(shapes::sphere(2));
-  all.emplace_back(shapes::box({-1, -0.6, 0}, {1, 0.6, 0}));                            // flat
-  all.emplace_back(shapes::box({-1, 0, 0}, {1, 0, 0}));                                 // a segment
-  all.emplace_back(shapes::mesh({{0.3, 0, 1}, {-1, 0.2, 0}, {0, 1, 0}}, {{0, 1, 2}}));  // one triangle
-  all.emplace_back(shapes::mesh({{0.25, 0.5, 0.125}}, {{0, 0, 0}}));                    // a point
-  all.emplace_back(shapes::moved(shapes::sphere(1), {3, -2, 1}));                       // off its local origin
-  return all;
-}
-
 /// Of two trees in a frame.
 struct Scene {
-  const Tree& a;
-  const Tree& b;
+  const SampleTree& a;
+  const SampleTree& b;
   double scale_a, scale_b;
   AffineMap map_a, map_b;
 
-  Scene(shapes::Random& random, const std::vector<Tree>& all)
+  Scene(shapes::Random& random, const std::vector<SampleTree>& all)
       : a(all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))]),
         b(all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))]) {
     const double unit = std::array{1.0, 1.0, 1.0, 0x1p-60, 1e30}[static_cast<std::size_t>(random.integer(5))];
@@ -66,7 +42,7 @@ struct Scene {
   // The maps are taken as they are: what is left is the rounding of the bounds.
   BoxDistance bounds() const { return {map_a, a.body(scale_a), map_b, b.body(scale_b), 0}; }
   RealTriangle triangle(bool of_b, std::int32_t leaf) const {
-    const Tree& tree = of_b ? b : a;
+    const SampleTree& tree = of_b ? b : a;
     const AffineMap& map = of_b ? map_b : map_a;
     const Real scale = of_b ? scale_b : scale_a;
     RealTriangle t;
@@ -97,7 +73,7 @@ struct Visited {
 };
 
 TEST(BoxDistance, LeavesOutOnlyWhatIsAtLeastAsFarAsTheLimit) {
-  const std::vector<Tree> all = trees();
+  const std::vector<SampleTree> all = sample_trees(12, 6, 2);
   shapes::Random random(21);
   std::size_t left_out = 0, visits = 0;
   for (int round = 0; round < 1500; ++round) {
@@ -134,7 +110,7 @@ TEST(BoxDistance, LeavesOutOnlyWhatIsAtLeastAsFarAsTheLimit) {
 }
 
 TEST(BoxDistance, BoundsAreTightWhereBodiesAreFarApart) {
-  const Tree ball(shapes::sphere(4));
+  const SampleTree ball(shapes::sphere(4));
   AffineMap map;
   map.offset = Eigen::Vector3d(3e5, 4e5, 1e5);
   const double distance = map.offset.norm() - 2;
@@ -154,7 +130,7 @@ TEST(BoxDistance, BoundsAreTightWhereBodiesAreFarApart) {
 }
 
 TEST(BoxDistance, ProvesNothingWithInfiniteOrUnknownNumbers) {
-  const Tree ball(shapes::sphere(1));
+  const SampleTree ball(shapes::sphere(1));
   for (const double bad : {std::numeric_limits<double>::infinity(), std::nan(""), 1e200}) {
     for (int what = 0; what < 2; ++what) {
       AffineMap map;
@@ -175,7 +151,7 @@ TEST(BoxDistance, ProvesNothingWithInfiniteOrUnknownNumbers) {
 TEST(BoxDistance, VisitsTheSameLeavesInTheSameOrderOnEveryInstructionSet) {
   const auto sequence = [] {
     shapes::Random random(7);
-    const std::vector<Tree> all = trees();
+    const std::vector<SampleTree> all = sample_trees(12, 6, 2);
     std::vector<std::vector<Leaves>> sequences;
     for (int round = 0; round < 200; ++round) {
       const Scene scene(random, all);
@@ -185,19 +161,7 @@ TEST(BoxDistance, VisitsTheSameLeavesInTheSameOrderOnEveryInstructionSet) {
     }
     return sequences;
   };
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  const auto expected = sequence();
-  std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-  targets.push_back(HWY_STATIC_TARGET);  // what remains on the plainest machine, emulated where it has no vectors
-  for (const std::int64_t target : targets) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    EXPECT_TRUE(sequence() == expected) << hwy::TargetName(target);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
-  EXPECT_GT(expected.size(), 0U);
+  EXPECT_GT(expect_same_on_all_targets(sequence).size(), 0U);
 }
 
 }  // namespace

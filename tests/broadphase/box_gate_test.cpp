@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "broadphase/box_gate.h"
 
+#include "tests/broadphase/sample_trees.h"
 #include "tests/broadphase/sampled.h"
+#include "tests/broadphase/simd_targets.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -19,20 +20,7 @@ namespace {
 
 using Leaves = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t>;
 
-struct Tree {
-  TriangleMesh mesh;
-  MeshArrays arrays;
-  double radius = 0;
-
-  explicit Tree(TriangleMesh m) : mesh(std::move(m)) {
-    mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
-    arrays = make_mesh_arrays(mesh, "mesh");
-    radius = mesh.vertices.rowwise().norm().maxCoeff() * (1 + 1e-12);
-  }
-  GateBody body() const { return {radius, arrays.tree.grid}; }
-};
-
-std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) {
+std::vector<Leaves> visited(const SampleTree& a, const SampleTree& b, const BoxGate& gate) {
   std::vector<Leaves> all;
   visit_leaf_pairs(
       a.arrays.tree, b.arrays.tree, gate,
@@ -46,7 +34,7 @@ std::vector<Leaves> visited(const Tree& a, const Tree& b, const BoxGate& gate) {
 
 AffineMap map(const Eigen::Matrix3d& linear, const Eigen::Vector3d& offset) { return {linear, offset}; }
 
-RealTriangle at(const Tree& tree, std::int64_t triangle, const std::array<AffineMap, 2>& maps, Real t) {
+RealTriangle at(const SampleTree& tree, std::int64_t triangle, const std::array<AffineMap, 2>& maps, Real t) {
   RealTriangle result;
   for (int k = 0; k < 3; ++k) {
     const Point x = tree.mesh.corner(triangle, k).cast<Real>();
@@ -61,7 +49,7 @@ RealTriangle at(const Tree& tree, std::int64_t triangle, const std::array<Affine
 constexpr int samples = 16;
 
 /// Least distance of two triangles over evenly spread times, ends included; above `limit`, any value above it.
-Real least_distance(const Tree& a, std::int64_t i, const Tree& b, std::int64_t j, const PairMotion& motion,
+Real least_distance(const SampleTree& a, std::int64_t i, const SampleTree& b, std::int64_t j, const PairMotion& motion,
                     Real limit) {
   Real least = std::numeric_limits<Real>::infinity();
   for (int s = 0; s <= (motion.at_rest ? 0 : samples); ++s) {
@@ -71,28 +59,16 @@ Real least_distance(const Tree& a, std::int64_t i, const Tree& b, std::int64_t j
   return least;
 }
 
-std::vector<Tree> trees() {
-  std::vector<Tree> all;
-  all.emplace_back(shapes::torus(1, 0.35, 8, 4));
-  all.emplace_back(shapes::sphere(1));
-  all.emplace_back(shapes::box({-1, -0.6, 0}, {1, 0.6, 0}));                            // flat
-  all.emplace_back(shapes::box({-1, 0, 0}, {1, 0, 0}));                                 // a segment
-  all.emplace_back(shapes::mesh({{0.3, 0, 1}, {-1, 0.2, 0}, {0, 1, 0}}, {{0, 1, 2}}));  // one triangle
-  all.emplace_back(shapes::mesh({{0.25, 0.5, 0.125}}, {{0, 0, 0}}));                    // a point
-  all.emplace_back(shapes::moved(shapes::sphere(1), {3, -2, 1}));                       // off its local origin
-  return all;
-}
-
-Tree scaled(const Tree& tree, double factor) { return Tree(shapes::scaled(tree.mesh, factor)); }
+SampleTree scaled(const SampleTree& tree, double factor) { return SampleTree(shapes::scaled(tree.mesh, factor)); }
 
 /// A step of two bodies whose surfaces pass each other closely; turned by up to 179 degrees.
-PairMotion random_step(shapes::Random& random, const Tree& a, const Tree& b, double size) {
+PairMotion random_step(shapes::Random& random, const SampleTree& a, const SampleTree& b, double size) {
   PairMotion motion;
   const bool rest = random.integer(6) == 0, fast = random.integer(3) == 0;
   const double angle = fast ? 3.12 : 0.3;
   const auto turn = [&] { return random_rotation(random, angle); };
   // Some vertex of a and some vertex of b at the same place, or nearly, at a random time.
-  const auto vertex = [&](const Tree& tree) -> Eigen::Vector3d {
+  const auto vertex = [&](const SampleTree& tree) -> Eigen::Vector3d {
     return tree.mesh.vertex(random.integer(static_cast<int>(tree.mesh.vertices.rows())));
   };
   const Eigen::Vector3d va = vertex(a), vb = vertex(b), way = random.point(fast ? 2 * size : 0.3 * size);
@@ -119,19 +95,19 @@ PairMotion random_step(shapes::Random& random, const Tree& a, const Tree& b, dou
 TEST(BoxGate, NeverDropsLeavesThatComeNear) {
   const char* rounds = std::getenv("ENCAGE_GATE_ROUNDS");  // longer runs by hand
   shapes::Random random(5);
-  const std::vector<Tree> all = trees();
+  const std::vector<SampleTree> all = sample_trees(8, 4, 1);
   std::int64_t visits = 0, dropped = 0;
   for (int round = 0; round < (rounds ? std::atoi(rounds) : 600); ++round) {
     // Sizes from the smallest to the largest that float32 holds; far off the local origins.
     constexpr double factors[] = {1, 1, 1, 1e6, 1e-20, 1e-30, 1e-37, 1e30, 6e37};
     const double factor = factors[random.integer(9)];
-    Tree a = scaled(all[random.integer(7)], factor), b = scaled(all[random.integer(7)], factor);
+    SampleTree a = scaled(all[random.integer(7)], factor), b = scaled(all[random.integer(7)], factor);
     // Unlike sizes.
     if (random.integer(4) == 0 && factor < 6e37) b = scaled(b, std::pow(10.0, random(-4, 0)));
     if (random.integer(8) == 0 && factor <= 1) a = scaled(a, std::pow(10.0, random(0, 6)));
     if (factor == 1e6) {
-      a = Tree(shapes::moved(shapes::scaled(a.mesh, 1e-6), {1e6, -3e5, 2e5}));
-      b = Tree(shapes::moved(shapes::scaled(b.mesh, 1e-6), {-2e5, 1e6, 8e5}));
+      a = SampleTree(shapes::moved(shapes::scaled(a.mesh, 1e-6), {1e6, -3e5, 2e5}));
+      b = SampleTree(shapes::moved(shapes::scaled(b.mesh, 1e-6), {-2e5, 1e6, 8e5}));
     }
     const double size = factor == 1e6 ? 1 : factor;
     const PairMotion motion = random_step(random, a, b, size);
@@ -176,7 +152,7 @@ TEST(BoxGate, NeverDropsLeavesThatComeNear) {
 
 TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
   shapes::Random random(6);
-  const Tree a(shapes::sphere(3)), b(shapes::torus(1, 0.3, 40, 20));
+  const SampleTree a(shapes::sphere(3)), b(shapes::torus(1, 0.3, 40, 20));
   std::size_t visits = 0, near_visits = 0, pairs = 0;
   for (int round = 0; round < 60; ++round) {
     PairMotion motion;
@@ -228,10 +204,10 @@ TEST(BoxGate, SlabsSeparateSheetsWhoseBoxesOverlap) {
       TriangleMesh mesh = sheet;
       mesh.vertices = (sheet.vertices * rotation.transpose()).eval();
       mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
-      return Tree(mesh);
+      return SampleTree(mesh);
     };
     // Both in the same plane, each in a frame of its own; then b is lifted off it.
-    const Tree a = turned(tilt), b = turned(turn);
+    const SampleTree a = turned(tilt), b = turned(turn);
     PairMotion motion;
     motion.b[0] = map(tilt * turn.transpose(), tilt.col(2) * 0.01);
     motion.b[1] = map(motion.b[0].linear, tilt.col(2) * 0.02 + tilt.col(0) * 0.1);
@@ -244,7 +220,7 @@ TEST(BoxGate, SlabsSeparateSheetsWhoseBoxesOverlap) {
 }
 
 TEST(BoxGate, StopsWhenAskedTo) {
-  const Tree a(shapes::sphere(2));
+  const SampleTree a(shapes::sphere(2));
   PairMotion motion;
   motion.at_rest = true;
   const BoxGate gate(motion, a.body(), a.body(), 1e-3);
@@ -267,7 +243,7 @@ TEST(BoxGate, StopsWhenAskedTo) {
 }
 
 TEST(BoxGate, ProvesNothingWithInfiniteOrUnknownNumbers) {
-  const Tree a(shapes::sphere(1));
+  const SampleTree a(shapes::sphere(1));
   const std::size_t all = a.arrays.tree.leaves.size() * a.arrays.tree.leaves.size();
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const auto pairs = [&](const PairMotion& motion, double distance) {
@@ -300,29 +276,16 @@ TEST(BoxGate, ProvesNothingWithInfiniteOrUnknownNumbers) {
 TEST(BoxGate, VisitsTheSameLeavesInTheSameOrderOnEveryInstructionSet) {
   const auto sequence = [] {
     shapes::Random random(7);
-    const std::vector<Tree> all = trees();
+    const std::vector<SampleTree> all = sample_trees(8, 4, 1);
     std::vector<std::vector<Leaves>> sequences;
     for (int round = 0; round < 300; ++round) {
-      const Tree &a = all[random.integer(7)], &b = all[random.integer(7)];
+      const SampleTree &a = all[random.integer(7)], &b = all[random.integer(7)];
       const PairMotion motion = random_step(random, a, b, 1);
       sequences.push_back(visited(a, b, BoxGate(motion, a.body(), b.body(), random(0, 0.2))));
     }
     return sequences;
   };
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  const auto expected = sequence();
-  std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-  targets.push_back(HWY_STATIC_TARGET);  // what remains on the plainest machine, emulated where it has no vectors
-  for (const std::int64_t target : targets) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    EXPECT_TRUE(sequence() == expected) << hwy::TargetName(target);
-    RecordProperty(hwy::TargetName(target), "compared");
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
-  EXPECT_GT(expected.size(), 0U);
+  EXPECT_GT(expect_same_on_all_targets(sequence).size(), 0U);
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 #include "broadphase/leaf_gate.h"
 
 #include "tests/broadphase/lanes.h"
+#include "tests/broadphase/simd_targets.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <limits>
@@ -125,16 +125,7 @@ TEST(LeafGate, AnswersTheSameOnEveryInstructionSet) {
     }
     return all;
   };
-  const std::vector<std::uint32_t> expected = answers();
-  std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-  targets.push_back(HWY_STATIC_TARGET);
-  for (const std::int64_t target : targets) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    EXPECT_EQ(answers(), expected) << hwy::TargetName(target);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
+  expect_same_on_all_targets(answers);
 }
 
 }  // namespace

@@ -93,6 +93,38 @@ TEST(ShapeCaches, AnswersDoNotDependOnWhatIsInMemory) {
   }
 }
 
+TEST(ShapeCaches, PartsOfCompoundsComeAndGo) {
+  const StoredSamples stored;
+  // Each with two parts, next to each other.
+  const auto compounds = [](const std::vector<ShapePtr>& shapes) {
+    std::vector<ShapePtr> all;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      Eigen::Isometry3d beside = Eigen::Isometry3d::Identity();
+      beside.translation().x() = 1.5;
+      const CompoundPart parts[] = {{shapes[i]}, {shapes[(i + 1) % shapes.size()], beside, 0.5}};
+      all.push_back(make_compound(parts));
+    }
+    return all;
+  };
+  for (const ShapeCacheOptions& plentiful : both_modes) {
+    ShapeCache cache({stored.room_for_a_pair(), plentiful.mode}), all(plentiful);
+    const std::vector<ShapePtr> parts = load_all(all, stored.files);
+    std::vector<FineLease> leases;
+    for (const ShapePtr& part : parts) leases.emplace_back(*part);
+    const std::vector<ShapePtr> on_demand = compounds(load_all(cache, stored.files)), resident = compounds(parts);
+    int touching = 0;
+    for (const Question& q : questions(resident.size(), 150)) {
+      const std::vector<double> expected = answers(resident, q);
+      ASSERT_EQ(answers(on_demand, q), expected);
+      EXPECT_LE(cache.statistics().resident_bytes, stored.room_for_a_pair());
+      touching += expected[0] == 0 ? 1 : 0;
+    }
+    EXPECT_GT(touching, 20);
+    EXPECT_LT(touching, 130);
+    EXPECT_GT(cache.statistics().evictions, 100);
+  }
+}
+
 TEST(ShapeCaches, ShapesAnswerLikeThoseOfPlainLoads) {
   const StoredSamples stored;
   ShapeCache cache({stored.room_for_a_pair()});

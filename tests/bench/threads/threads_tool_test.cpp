@@ -1,41 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program encage-threads.
 
-#include <encage/asset.h>
-#include <encage/bake.h>
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
-#include "tests/cagegen/tool/meshes.h"
-#include "tests/cagegen/tool/run.h"
+#include "tests/bench/recorded_tool.h"
 
 namespace encage::test {
 namespace {
 
-class ThreadsTool : public testing::Test {
+class ThreadsTool : public RecordedTool {
  protected:
-  ThreadsTool() {
-    const TriangleMesh ring = torus(24, 12);
-    BakeOptions options;
-    options.faces = {200};
-    write_asset(folder.path() / "ring.glb", bake(ring, options));
-    // The first step lacks a body.
-    folder.write("poses.csv",
-                 "step,body,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,0,1\n"
-                 "1,0,0,0,0,0,0,0,1\n1,1,1,0,0,0.70710678118654752,0,0,0.70710678118654752\n"
-                 "2,0,0,0,0.1,0,0,0,1\n2,1,1,0.2,0,0.70710678118654752,0,0,0.70710678118654752\n"
-                 "3,0,0,0,0.2,0,0,0,1\n3,1,1,0.4,0,0.70710678118654752,0,0,0.70710678118654752\n");
-  }
-
-  RunResult run_tool(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {ENCAGE_THREADS_BINARY, "--asset", "ring.glb", "--poses", "poses.csv"});
-    return run(arguments, folder.path());
-  }
-
-  ScratchFolder folder;
+  ThreadsTool()
+      : RecordedTool(ENCAGE_THREADS_BINARY,
+                     // The first step lacks a body.
+                     "0,0,0,0,0,0,0,0,1\n"
+                     "1,0,0,0,0,0,0,0,1\n1,1,1,0,0,0.70710678118654752,0,0,0.70710678118654752\n"
+                     "2,0,0,0,0.1,0,0,0,1\n2,1,1,0.2,0,0.70710678118654752,0,0,0.70710678118654752\n"
+                     "3,0,0,0,0.2,0,0,0,1\n3,1,1,0.4,0,0.70710678118654752,0,0,0.70710678118654752\n") {}
 };
 
 TEST_F(ThreadsTool, ComparesNumbersOfThreads) {
@@ -59,20 +40,11 @@ TEST_F(ThreadsTool, ComparesNumbersOfThreads) {
 }
 
 TEST_F(ThreadsTool, RefusesBadInput) {
-  folder.write("empty.csv", "step,body,x,y,z,qx,qy,qz,qw\n");
-  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"--threads", "0"}, "--threads"},
-      {{"--every", "0"}, "--every"},
-      {{"--json", "poses.csv"}, "poses.csv"},
-  };
-  for (const auto& [arguments, named] : cases) {
-    const RunResult result = run_tool(arguments);
-    EXPECT_EQ(result.status, 2) << named;
-    EXPECT_NE(result.err.find(named), std::string::npos) << "'" << named << "' is not in: " << result.err;
-  }
-  const RunResult empty = run({ENCAGE_THREADS_BINARY, "--asset", "ring.glb", "--poses", "empty.csv"}, folder.path());
-  EXPECT_EQ(empty.status, 2);
-  EXPECT_NE(empty.err.find("no poses"), std::string::npos) << empty.err;
+  expect_refused({"--threads", "0"}, "--threads");
+  expect_refused({"--every", "0"}, "--every");
+  expect_refused({"--json", "poses.csv"}, "poses.csv");
+  write_poses("empty.csv", "");
+  expect_refused({}, "no poses", "empty.csv");
 }
 
 }  // namespace
