@@ -52,7 +52,8 @@ function(encage_library name)
   # What public headers declare says otherwise (encage/export.h).
   set_target_properties(encage_${name} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_include_directories(encage_${name} PUBLIC ${PROJECT_SOURCE_DIR}/include)
-  encage_precompile(encage_${name} KIND libraries)
+  encage_precompile(encage_${name} KIND libraries OPTIONS ${CMAKE_CXX_COMPILE_OPTIONS_VISIBILITY}hidden
+                                                          ${CMAKE_CXX_COMPILE_OPTIONS_VISIBILITY_INLINES_HIDDEN})
 endfunction()
 
 # What other projects link as encage::name: the objects of these parts as one library, static or shared as
