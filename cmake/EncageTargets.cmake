@@ -12,8 +12,9 @@ function(encage_settings target)
 endfunction()
 
 # Headers that most files include are compiled once for each kind of target. Whether files include what they name is
-# seen in builds without (-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON), which compiler caches need.
-if(NOT PROJECT_IS_TOP_LEVEL OR CMAKE_CXX_COMPILER_LAUNCHER)
+# seen in builds without (-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON), which compiler caches need, and ARM, where targets
+# differ in -march.
+if(NOT PROJECT_IS_TOP_LEVEL OR CMAKE_CXX_COMPILER_LAUNCHER OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
 set(encage_common_headers
