@@ -27,6 +27,8 @@ function(encage_precompile target)
   if(CMAKE_DISABLE_PRECOMPILE_HEADERS)
     return()
   endif()
+  # They fill the memory up to which g++ does without collecting garbage: kilobytes, by default 128 MiB.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "KIND" "OPTIONS;LIBRARIES;HEADERS")
   set(headers encage_headers_of_${arg_KIND})
   if(NOT TARGET ${headers})

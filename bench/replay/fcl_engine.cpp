@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <type_traits>
 #include <utility>
 
 #include "bench/replay/fcl_model.h"
@@ -61,10 +62,21 @@ class FclEngine : public Engine {
     const BodyPose& body_a = *static_cast<const BodyPose*>(a->getUserData());
     const BodyPose& body_b = *static_cast<const BodyPose*>(b->getUserData());
     if (query.question.skips(body_a, body_b)) return false;
+    if (collide(*a, *b)) query.pairs.push_back(make_pair(body_a.body, body_b.body));
+    return false;
+  }
+
+  static bool collide(const Object& a, const Object& b) {
     const fcl::CollisionRequest<Scalar> request;
     fcl::CollisionResult<Scalar> result;
-    if (fcl::collide(a, b, request, result) > 0) query.pairs.push_back(make_pair(body_a.body, body_b.body));
-    return false;
+    if constexpr (std::is_same_v<Scalar, double>) {
+      return fcl::collide(&a, &b, request, result) > 0;
+    } else {
+      // What fcl::collide() does with two such meshes. The library has it for double only, and all shapes take long
+      // to compile.
+      return fcl::detail::BVHCollide<Volume>(a.collisionGeometry().get(), a.getTransform(), b.collisionGeometry().get(),
+                                             b.getTransform(), request, result) > 0;
+    }
   }
 
   std::string name_;

@@ -12,6 +12,7 @@
 #include "bench/tank/cpu_clock.h"
 #include "bench/zoo/intersections.h"
 #include "bench/zoo/plain_methods.h"
+#include "cagegen/collapse/starts.h"
 #include "src/rounding.h"
 
 namespace encage::zoo {
@@ -56,7 +57,7 @@ BaselineResult single_alpha_wrap(const SourceMesh& source, std::int64_t faces) {
     double coarse = source.diagonal;
     double fine = coarse;
     const auto small = [&](double alpha) {
-      TriangleMesh wrap = alpha_wrap(source.clean, alpha, alpha / 12);
+      TriangleMesh wrap = makers::alpha_wrap(source.clean, alpha, alpha / 12);
       const bool fits = wrap.triangles.rows() > 0 && wrap.triangles.rows() <= faces;
       if (fits) best = std::move(wrap);
       return fits;

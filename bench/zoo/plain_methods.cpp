@@ -6,7 +6,6 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Side_of_triangle_mesh.h>
-#include <CGAL/alpha_wrap_3.h>
 
 #include <algorithm>
 #include <array>
@@ -58,18 +57,6 @@ class Field {
 };
 
 }  // namespace
-
-TriangleMesh alpha_wrap(const TriangleMesh& clean, double alpha, double offset) {
-  std::vector<Kernel::Point_3> points;
-  std::vector<std::array<std::size_t, 3>> faces;
-  for (const auto& v : clean.vertices.rowwise()) points.emplace_back(v[0], v[1], v[2]);
-  for (const auto& t : clean.triangles.rowwise()) {
-    faces.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]), static_cast<std::size_t>(t[2])});
-  }
-  SurfaceMesh wrap;
-  CGAL::alpha_wrap_3(points, faces, alpha, offset, wrap);
-  return makers::outermost_components(makers::from_cgal(wrap));
-}
 
 DistanceGrid::DistanceGrid(const TriangleMesh& mesh, bool closed, int cells, double reach) {
   const Field field(mesh, closed);

@@ -14,9 +14,6 @@ namespace encage::zoo {
 /// outside of the planes that were around it, if it can.
 TriangleMesh collapse_outward(const TriangleMesh& mesh, std::int64_t faces, double lift);
 
-/// The outermost surfaces of CGAL's alpha wrap. `clean` has no degenerate triangles.
-TriangleMesh alpha_wrap(const TriangleMesh& clean, double alpha, double offset);
-
 /// Distance from a mesh on a grid: signed if the mesh is closed (negative inside), else unsigned.
 class DistanceGrid {
  public:

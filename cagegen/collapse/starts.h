@@ -28,7 +28,10 @@ TriangleMesh make_manifold(const TriangleMesh& mesh);
 /// A plain decimation to about `faces`, manifold but not clear of anything; by meshoptimizer.
 TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces);
 
-/// CGAL's alpha wrap of a mesh without degenerate triangles; alpha and offset are lengths.
+/// The outermost surfaces of CGAL's alpha wrap of a mesh without degenerate triangles; alpha and offset are lengths.
+TriangleMesh alpha_wrap(const TriangleMesh& clean, double alpha, double offset);
+
+/// An alpha wrap that is clear of the obstacle.
 std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
                                        double clearance);
 

@@ -24,20 +24,21 @@ using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
 }  // namespace
 
-std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
-                                       double clearance) {
+TriangleMesh alpha_wrap(const TriangleMesh& clean, double alpha, double offset) {
   std::vector<Kernel::Point_3> points;
   std::vector<std::array<std::size_t, 3>> faces;
-  for (std::int64_t v = 0; v < clean.vertices.rows(); ++v) {
-    points.emplace_back(clean.vertices(v, 0), clean.vertices(v, 1), clean.vertices(v, 2));
-  }
-  for (std::int64_t t = 0; t < clean.triangles.rows(); ++t) {
-    faces.push_back({static_cast<std::size_t>(clean.triangles(t, 0)), static_cast<std::size_t>(clean.triangles(t, 1)),
-                     static_cast<std::size_t>(clean.triangles(t, 2))});
+  for (const auto& v : clean.vertices.rowwise()) points.emplace_back(v[0], v[1], v[2]);
+  for (const auto& t : clean.triangles.rowwise()) {
+    faces.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]), static_cast<std::size_t>(t[2])});
   }
   SurfaceMesh wrap;
   CGAL::alpha_wrap_3(points, faces, alpha, offset, wrap);
-  TriangleMesh cage = outermost_components(from_cgal(wrap));
+  return outermost_components(from_cgal(wrap));
+}
+
+std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
+                                       double clearance) {
+  TriangleMesh cage = alpha_wrap(clean, alpha, offset);
   round_vertices(cage);
   if (cage.triangles.rows() == 0) return std::nullopt;
   if (clear(obstacle, cage, clearance)) return cage;
