@@ -3,11 +3,13 @@
 
 #include "broadphase/body_box.h"
 #include "broadphase/frame.h"
+#include "src/number_text.h"
 
 #include <encage/error.h>
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -20,16 +22,35 @@ namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
+// Far below what the whole's pose may depart from rigid: the product of both stays usable.
+constexpr double most_departure = 1e-12, most_departure_in_nests = 1e-10;
+// Larger coordinates could overflow where bounds are added up.
+constexpr double largest_reach = 1e150;
+
 std::string name(std::size_t part) { return "part " + std::to_string(part) + ": "; }
+
+/// `place` is how the message starts.
+void check_scale(double scale, const std::string& place) {
+  if (scale >= 1e-50 && scale <= 1e50) return;
+  throw Error(place + "the scale is " + number_text(scale) + ", not between 1e-50 and 1e50");
+}
 
 void check(const CompoundPart& part, std::size_t i) {
   if (!part.shape) throw Error(name(i) + "no shape");
-  // Far below what the whole's pose may depart from rigid: the product of both stays usable.
-  if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > 1e-12) {
-    throw Error(name(i) + "the pose is not finite or farther than 1e-12 from rigid");
+  if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > most_departure) {
+    throw Error(name(i) + "the pose is not finite, beyond 1e150 or farther than 1e-12 from rigid");
   }
-  if (!(part.scale >= 1e-50 && part.scale <= 1e50)) {
-    throw Error(name(i) + "the scale is " + std::to_string(part.scale) + ", not between 1e-50 and 1e50");
+  check_scale(part.scale, name(i));
+}
+
+/// As it is in the whole, whatever the compounds between are.
+void check(const ShapePart& part, const std::string& place) {
+  check_scale(part.scale, place);
+  if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > most_departure_in_nests) {
+    throw Error(place + "the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
+  }
+  if (!(part.reach <= largest_reach)) {
+    throw Error(place + "it reaches " + number_text(part.reach) + " from the origin, farther than 1e150");
   }
 }
 
@@ -92,10 +113,13 @@ std::int32_t add_count(std::int64_t before, std::size_t more, const char* what) 
 }
 
 /// Adds a simple shape. What placed() rounds for each compound around it, as for the whole, is in the box.
-void add_part(Shape& compound, ShapePart part, std::int32_t& triangles, std::int32_t& vertices) {
+void add_part(Shape& compound, ShapePart part, const std::string& place, std::int32_t& triangles,
+              std::int32_t& vertices) {
+  check(part, place);
   const Eigen::Vector3d slack = Eigen::Vector3d::Constant(32 * eps * part.nesting * part.reach);
   part.box = world_box(*part.shape, Motion::resting(part.pose, part.scale));
   part.box = {part.box.min() - slack, part.box.max() + slack};
+  assert(part.box.min().allFinite() && part.box.max().allFinite());
   part.first_triangle = triangles;
   part.first_vertex = vertices;
   triangles = add_count(triangles, part.shape->fine_triangles, "triangles");
@@ -103,15 +127,17 @@ void add_part(Shape& compound, ShapePart part, std::int32_t& triangles, std::int
   compound.parts.push_back(std::move(part));
 }
 
-/// Adds the part, or its own parts.
-void flatten(Shape& compound, const CompoundPart& part, std::int32_t& triangles, std::int32_t& vertices) {
+/// Adds part `i`, or its own parts.
+void flatten(Shape& compound, const CompoundPart& part, std::size_t i, std::int32_t& triangles,
+             std::int32_t& vertices) {
   const double offset = part.pose.translation().norm();
   if (part.shape->parts.empty()) {
     const double reach = offset + part.scale * (part.shape->origin.norm() + part.shape->radius);
-    add_part(compound, {part.shape, part.pose, part.scale, {}, reach, 0, 0, 0}, triangles, vertices);
+    add_part(compound, {part.shape, part.pose, part.scale, {}, reach, 0, 0, 0}, name(i), triangles, vertices);
     return;
   }
-  for (const ShapePart& inner : part.shape->parts) {
+  for (std::size_t k = 0; k < part.shape->parts.size(); ++k) {
+    const ShapePart& inner = part.shape->parts[k];
     add_part(compound,
              {inner.shape,
               placed(part.pose, part.scale, inner.pose),
@@ -121,7 +147,7 @@ void flatten(Shape& compound, const CompoundPart& part, std::int32_t& triangles,
               inner.nesting + 1,
               0,
               0},
-             triangles, vertices);
+             name(i) + "its " + name(k), triangles, vertices);
   }
 }
 
@@ -159,7 +185,7 @@ ShapePtr make_compound(std::span<const CompoundPart> parts) {
   std::int32_t triangles = 0, vertices = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     check(parts[i], i);
-    flatten(*shape, parts[i], triangles, vertices);
+    flatten(*shape, parts[i], i, triangles, vertices);
   }
   const TreeBuilder tree(*shape);
   return shape;

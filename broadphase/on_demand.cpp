@@ -6,7 +6,9 @@
 #include <encage/error.h>
 
 #include <algorithm>
+#include <cassert>
 #include <exception>
+#include <utility>
 
 namespace encage {
 namespace {
@@ -33,20 +35,23 @@ MeshBudget::MeshBudget(std::int64_t bytes) : budget_(bytes) {
 
 void MeshBudget::add(const OnDemandMesh& mesh, const std::string& file) {
   const std::lock_guard lock(mutex_);
-  const std::int64_t own = mesh.bytes_, largest = sizes_.empty() ? 0 : *sizes_.rbegin();
-  if (own > budget_) {
-    throw Error(file + ": the fine mesh needs " + in_bytes(own) + ", the budget is " + in_bytes(budget_));
+  check_room(mesh.bytes_, file + ": the fine mesh needs " + in_bytes(mesh.bytes_));
+  sizes_.insert(mesh.bytes_);
+}
+
+void MeshBudget::check_room(std::int64_t bytes, const std::string& need) const {
+  if (bytes > budget_) throw Error(need + ", the budget is " + in_bytes(budget_));
+  if (const std::int64_t largest = sizes_.empty() ? 0 : *sizes_.rbegin(); bytes > budget_ - largest) {
+    throw Error(need + ", the largest other one " + in_bytes(largest) + ", a pair of them more than the budget of " +
+                in_bytes(budget_));
   }
-  if (own > budget_ - largest) {
-    throw Error(file + ": the fine mesh needs " + in_bytes(own) + ", the largest other one " + in_bytes(largest) +
-                ", a pair of them more than the budget of " + in_bytes(budget_));
-  }
-  sizes_.insert(own);
 }
 
 void MeshBudget::remove(OnDemandMesh& mesh) noexcept {
   const std::lock_guard lock(mutex_);
-  sizes_.erase(sizes_.find(mesh.bytes_));
+  const auto size = sizes_.find(mesh.bytes_);
+  assert(size != sizes_.end());
+  sizes_.erase(size);
   const auto at = std::find(resident_.begin(), resident_.end(), &mesh);
   if (at != resident_.end()) forget(static_cast<std::size_t>(at - resident_.begin()));
 }
@@ -54,20 +59,21 @@ void MeshBudget::remove(OnDemandMesh& mesh) noexcept {
 void MeshBudget::make_resident(OnDemandMesh& mesh) {
   const std::lock_guard lock(mutex_);
   if (mesh.resident_.load()) return;
-  const std::int64_t expected = mesh.bytes_;
   resident_.reserve(resident_.size() + 1);
-  make_room(expected);
-  mesh.load();
-  if (mesh.bytes_ != expected) {
-    // Built: larger than what it was built of.
-    if (mesh.bytes_ > budget_) {
+  make_room(mesh.bytes_);
+  const std::int64_t bytes = mesh.load();
+  if (bytes != mesh.bytes_) {  // built: larger than what it was built of
+    auto own = sizes_.extract(mesh.bytes_);
+    try {
+      check_room(bytes, mesh.file_ + ": the fine mesh needs " + in_bytes(bytes) + " with its tree");
+    } catch (...) {
+      sizes_.insert(std::move(own));
       mesh.drop();
-      throw Error(mesh.file_ + ": the fine mesh needs " + in_bytes(std::exchange(mesh.bytes_, expected)) +
-                  " with its tree, the budget is " + in_bytes(budget_));
+      throw;
     }
-    sizes_.erase(sizes_.find(expected));
-    sizes_.insert(mesh.bytes_);
-    make_room(mesh.bytes_);
+    own.value() = mesh.bytes_ = bytes;
+    sizes_.insert(std::move(own));
+    make_room(bytes);
   }
   resident_.push_back(&mesh);
   mesh.resident_.store(true);
@@ -162,8 +168,9 @@ void OnDemandMesh::unpin() noexcept {
 }
 
 // Shape::fine is written only while nobody may look at it. In place it is the same each time.
-void OnDemandMesh::load() {
+std::int64_t OnDemandMesh::load() {
   AssetView& asset = *shape_.asset;
+  std::int64_t bytes = bytes_;
   try {
     asset.fetch_fine();
     asset.close_file();
@@ -173,7 +180,7 @@ void OnDemandMesh::load() {
       auto view = asset.fine_arrays();
       if (!view) {
         arrays_ = make_mesh_arrays(copy_mesh(mesh), file_ + ": " + fine_name);
-        bytes_ = size_of(*arrays_);
+        bytes = size_of(*arrays_);
         view = arrays_->view();
       }
       Surface fine(*view);
@@ -182,6 +189,7 @@ void OnDemandMesh::load() {
       if (arrays_) asset.discard_fine();
     }
     checked_ = true;
+    return bytes;
   } catch (...) {
     asset.close_file();
     drop();

@@ -41,6 +41,8 @@ class ENCAGE_HIDDEN MeshBudget {
   ShapeCacheStatistics statistics() const;
 
  private:
+  /// Throws Error, its message starting with `need`, if there is no room for so many bytes and the largest mesh.
+  void check_room(std::int64_t bytes, const std::string& need) const;
   void make_room() noexcept;
   void make_room(std::int64_t bytes) noexcept;  // under the lock
   bool evict_oldest() noexcept;
@@ -70,7 +72,7 @@ class ENCAGE_HIDDEN OnDemandMesh {
 
  private:
   friend MeshBudget;
-  void load();
+  std::int64_t load();  ///< bytes in memory; throws Error
   void drop() noexcept;
 
   Shape& shape_;

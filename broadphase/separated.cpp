@@ -209,7 +209,8 @@ double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3
   for_each_part(shape, Motion{.scale = 1}, [&](const MovingPart& part) {
     const Shape& of = *part.shape;
     const Eigen::Vector3d origin = Placement(part.motion.start, part.motion.scale).origin(of);
-    radius = std::max(radius, part.motion.scale * (of.outer().radius + of.outer_error()) + (origin - pivot).norm());
+    radius = std::max(
+        radius, part.motion.scale * (of.outer().radius + of.outer_error()) + (origin - pivot).norm() + part.slack);
     return true;
   });
   radius *= motion.scale;

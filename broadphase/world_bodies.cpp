@@ -4,21 +4,14 @@
 #include "broadphase/frame.h"
 #include "broadphase/room.h"
 #include "broadphase/world_state.h"
+#include "src/number_text.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
 namespace encage {
 namespace {
-
-std::string text(double value) {
-  std::array<char, 32> digits{};
-  std::snprintf(digits.data(), digits.size(), "%.12g", value);
-  return digits.data();
-}
 
 template <WorldId Id>
 [[noreturn]] void refuse(Id id, const std::string& reason) {
@@ -71,7 +64,7 @@ void prepare_put(std::vector<T>& v) {
 }  // namespace
 
 std::string length_defect(const char* what, double length) {
-  const std::string subject = std::string("the ") + what + " " + text(length);
+  const std::string subject = std::string("the ") + what + " " + number_text(length);
   if (std::isnan(length)) return subject + " is not a number";
   if (length < 0) return subject + " is negative";
   return length > largest_length ? subject + " is larger than 1e150" : "";
@@ -111,10 +104,10 @@ HalfSpaceId World::State::add_half_space(const HalfSpace& half_space, const Filt
   const HalfSpaceId id = plane_ids_.next();
   if (!half_space.normal.allFinite()) refuse(id, "the normal is not finite");
   if (const double length = half_space.normal.norm(); !(std::abs(length - 1) <= 1e-9)) {
-    refuse(id, "the normal's length is " + text(length) + ", not 1");
+    refuse(id, "the normal's length is " + number_text(length) + ", not 1");
   }
   if (!(std::abs(half_space.offset) <= largest_length)) {
-    refuse(id, "the offset " + text(half_space.offset) + " is not finite or beyond 1e150");
+    refuse(id, "the offset " + number_text(half_space.offset) + " is not finite or beyond 1e150");
   }
   if (plane_ids_.slots() >= half_space_bit / 2) refuse(id, "too many half-spaces");
   prepare_put(planes_);
@@ -141,7 +134,7 @@ void World::State::remove(HalfSpaceId id) {
 void World::State::check_options(BodyId id, const BodyOptions& options) const {
   check_length(id, "margin", options.margin);
   if (const double scale = options.scale; !(scale >= 1e-50 && scale <= 1e50)) {
-    refuse(id, "the scale " + text(scale) + " is not between 1e-50 and 1e50");
+    refuse(id, "the scale " + number_text(scale) + " is not between 1e-50 and 1e50");
   }
 }
 
@@ -203,7 +196,7 @@ void World::State::set_motion(BodyId id, const Motion& motion) {
   const Body& known = body(id);
   const double scale = known.options.scale;
   if (motion.scale != 1 && motion.scale != scale) {
-    refuse(id, "the motion's scale " + text(motion.scale) + " is not the body's, " + text(scale));
+    refuse(id, "the motion's scale " + number_text(motion.scale) + " is not the body's, " + number_text(scale));
   }
   if (motion.start.matrix() == known.motion.start.matrix() && motion.end.matrix() == known.motion.end.matrix()) return;
   if (!is_usable(motion)) refuse_motion(id, motion);

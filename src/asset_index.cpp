@@ -24,7 +24,7 @@ struct Trailer {
   std::uint8_t solid = 0;
   std::uint8_t has_fine = 0;
   std::uint16_t meshes = 0;
-  std::uint16_t zero = 0;
+  std::uint16_t asset = asset_version;
   std::array<double, 3> origin = {};
   double fine_error = 0;
   Hash hash;  ///< of the index up to here
@@ -71,7 +71,8 @@ std::optional<std::span<const std::byte>> find_index(std::span<const std::byte> 
   if (file_size < seal_size + sizeof(Trailer)) return std::nullopt;
   asset = asset.first(file_size - seal_size);
   const Trailer trailer = trailer_of(asset);
-  if (trailer.magic != index_magic || trailer.version != index_version || trailer.file_size != file_size) {
+  if (trailer.magic != index_magic || trailer.version != index_version || trailer.asset != asset_version ||
+      trailer.file_size != file_size) {
     return std::nullopt;
   }
   const std::size_t size = index_size(trailer.meshes);
@@ -88,9 +89,15 @@ AssetIndex decode_index(std::span<const std::byte> bytes, const std::string& fil
   for (int k = 0; k < 3; ++k) index.origin[k] = trailer.origin[k];
   index.fine_error = trailer.fine_error;
   index.solid = static_cast<Solid>(trailer.solid);
-  if (trailer.solid > static_cast<int>(Solid::surface_only) || trailer.has_fine > 1 || !index.origin.allFinite() ||
-      !(index.fine_error >= 0) || std::isinf(index.fine_error)) {
-    throw Error(place + "its numbers mean nothing");
+  if (trailer.solid > static_cast<int>(Solid::surface_only)) {
+    throw Error(place + "solid is " + std::to_string(trailer.solid) + ", not 0, 1 or 2");
+  }
+  if (trailer.has_fine > 1) {
+    throw Error(place + "the mark of a source is " + std::to_string(trailer.has_fine) + ", not 0 or 1");
+  }
+  if (!index.origin.allFinite()) throw Error(place + "the origin is not finite");
+  if (!(index.fine_error >= 0) || std::isinf(index.fine_error)) {
+    throw Error(place + "fine_error is not a finite distance");
   }
   index.has_fine = trailer.has_fine == 1;
   index.meshes.resize(trailer.meshes);

@@ -52,7 +52,7 @@ std::size_t index_size(std::size_t meshes);
 std::string encode_index(const AssetIndex& index);
 
 /// The place of the index in a whole asset, as its last bytes say, right or wrong; no value if it has none that this
-/// program knows.
+/// program knows, or is of another version of the format.
 std::optional<std::span<const std::byte>> find_index(std::span<const std::byte> asset);
 
 /// What find_index() has found. Throws Error, its message starting with `file`, if its hash does not match or it means

@@ -2,6 +2,7 @@
 #include "src/asset_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <climits>
 #include <cstring>
@@ -244,6 +245,7 @@ void AssetView::fetch_cages() {
 bool AssetView::read_index(std::span<const std::byte> bytes) {
   const auto found = find_index(bytes);
   if (!found) return false;
+  if (!image_.bytes().empty()) image_.fetch(*found);  // it may be longer than what is there
   const AssetIndex index = decode_index(*found, name_);
   const auto end = static_cast<std::size_t>(found->data() - bytes.data());
   std::size_t end_of_previous = 0;
@@ -283,11 +285,18 @@ bool AssetView::read_index(std::span<const std::byte> bytes) {
   return true;
 }
 
-/// It says what the JSON says.
-void AssetView::check_index(const AssetSection& section, std::size_t file_size) const {
+/// If there is an index, it is the one that loading finds, and says what the JSON says.
+void AssetView::check_index(std::span<const std::byte> bytes) const {
   const std::string place = name_ + ": section \"" + index_name + "\": ";
+  const AssetSection* const section = find_section(index_name);
+  const auto found = find_index(bytes);
+  if (!section && !found) return;
+  if (!section) throw Error(place + "before the seal, but not among the sections");
+  if (!found || found->data() != section->bytes.data() || found->size() != section->bytes.size()) {
+    throw Error(place + "it is not what is before the seal");
+  }
   AssetIndex index;
-  index.file_size = static_cast<std::uint32_t>(file_size);
+  index.file_size = static_cast<std::uint32_t>(bytes.size());
   index.origin = description_->origin;
   index.fine_error = description_->fine_error;
   index.solid = description_->solid;
@@ -295,18 +304,33 @@ void AssetView::check_index(const AssetSection& section, std::size_t file_size) 
   const std::size_t count = cages_.size() + (fine_ ? 1 : 0);
   for (std::size_t m = 0; m < count; ++m) {
     const std::string mesh_name = fine_ && m == 0 ? fine_name : cage_name(fine_ ? m - 1 : m);
+    const MeshView& view = fine_ && m == 0 ? *fine_ : cages_[fine_ ? m - 1 : m];
+    const std::array<const void*, 2> starts = {view.vertices.data(), view.triangles.data()};
     AssetIndex::Mesh& mesh = index.meshes.emplace_back();
     for (std::size_t k = 0; k < mesh_sections.size(); ++k) {
-      const AssetSection* const array = find_section(section_name(mesh_name, mesh_sections[k]));
-      if (!array) throw Error(place + "there is no section \"" + section_name(mesh_name, mesh_sections[k]) + "\"");
-      mesh[k] = {static_cast<std::uint32_t>(section.bytes.data() - array->bytes.data()),
+      const std::string array_name = section_name(mesh_name, mesh_sections[k]);
+      const AssetSection* const array = find_section(array_name);
+      if (!array) throw Error(place + "there is no section \"" + array_name + "\"");
+      if (k < starts.size() && starts[k] != array->bytes.data()) {
+        throw Error(place + "section \"" + array_name + "\" is not what the mesh has");
+      }
+      mesh[k] = {static_cast<std::uint32_t>(section->bytes.data() - array->bytes.data()),
                  static_cast<std::uint32_t>(array->bytes.size()), array->hash};
     }
   }
   const std::string expected = encode_index(index);
-  if (!std::ranges::equal(std::as_bytes(std::span(expected)), section.bytes)) {
-    throw Error(place + "does not say what the JSON says");
+  if (std::ranges::equal(std::as_bytes(std::span(expected)), section->bytes)) return;
+  const AssetIndex stored = decode_index(section->bytes, name_);
+  for (std::size_t m = 0; m < std::min(count, stored.meshes.size()); ++m) {
+    for (std::size_t k = 0; k < mesh_sections.size(); ++k) {
+      const AssetIndex::Array &is = stored.meshes[m][k], &should = index.meshes[m][k];
+      if (is.before == should.before && is.size == should.size && is.hash == should.hash) continue;
+      const std::string mesh_name = fine_ && m == 0 ? fine_name : cage_name(fine_ ? m - 1 : m);
+      throw Error(place + "of \"" + section_name(mesh_name, mesh_sections[k]) +
+                  "\" it does not say what the JSON says");
+    }
   }
+  throw Error(place + "its last 64 bytes do not say what the JSON says");
 }
 
 void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
@@ -338,9 +362,7 @@ void AssetView::parse(std::span<const std::byte> bytes, Verify verify) {
     next_mesh = mesh.integer() + 1;
     check_mesh(cages_.back(), name_ + ": " + cage_name(i));
   }
-  if (const AssetSection* const index = find_section(index_name); index && verify == Verify::all) {
-    check_index(*index, bytes.size());
-  }
+  if (verify == Verify::all) check_index(bytes);
 }
 
 std::optional<MeshView> AssetView::fine() const {

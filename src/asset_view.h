@@ -99,7 +99,7 @@ class AssetView {
   class Parser;
   void read(std::span<const std::byte> bytes, Verify verify, AssetParts parts);
   bool read_index(std::span<const std::byte> bytes);
-  void check_index(const AssetSection& index, std::size_t file_size) const;
+  void check_index(std::span<const std::byte> bytes) const;
   void fetch_head();
   void fetch_cages();
   template <class Do>

@@ -41,9 +41,8 @@ struct ShapeCacheStatistics {
 ///   cages only. (If a body is `surface_only`, also where cages are apart but its box may hold parts of the other.)
 ///   Answers do not depend on what is in memory.
 /// * world_box() and arc_margin() bound the finest cage in place of the fine mesh.
-/// * A query that finds its fine mesh missing takes a lock, reads the file and allocates memory. If it cannot:
-/// separated() answers
-///   "maybe", the others throw Error, which names the file.
+/// * A query that finds its fine mesh missing takes a lock, reads the file and allocates memory. If it cannot,
+///   separated() answers "maybe" and the others throw Error, which names the file.
 ///
 /// Whenever no query runs and no FineLease lives, resident_bytes is within the budget; so it is while one thread
 /// asks one pair at a time. Each further thread may add a pair.
@@ -56,10 +55,10 @@ class ShapeCache {
   /// Throws Error for a budget that is not positive.
   explicit ShapeCache(const ShapeCacheOptions& options);
 
-  /// Loads JSON and cages. Every call makes a shape of its own: load a file once. For assets from before trees were
+  /// Loads the cages. Every call makes a shape of its own: load a file once. For assets from before trees were
   /// stored, the cages' trees are built now and the fine mesh's whenever it comes. Throws Error naming file, section
   /// and reason; also if the fine mesh, together with the largest one that is loaded, exceeds the budget: a query may
-  /// need both at once.
+  /// need both at once. Where its tree has to be built, that is asked again when it comes.
   ShapePtr load(const std::filesystem::path& file, const ShapeOptions& options = {});
 
   ShapeCacheStatistics statistics() const;

@@ -289,6 +289,60 @@ TEST(Compounds, PlacesThatCancelInNestsCountInFull) {
   // More than the size of what is left accounts for.
   EXPECT_GT(farthest, 1e-9);
   EXPECT_LE(farthest, part.slack);
+
+  // About where the part seems to be, the arc of its farthest corner.
+  Motion turn;
+  turn.end.linear() = Eigen::AngleAxisd(1, Vector::UnitZ()).toRotationMatrix();
+  const Vector pivot = part.motion.start.translation();
+  double radius = 0;
+  for (int i = 0; i < 8; ++i) {
+    const LongVector corner(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    const LongVector moved = there.linear().cast<long double>() * corner + there.translation().cast<long double>();
+    const LongVector exact = back.linear().cast<long double>() * moved + back.translation().cast<long double>();
+    radius = std::max(radius, static_cast<double>((exact - pivot.cast<long double>()).norm()));
+  }
+  EXPECT_GT(radius, std::sqrt(3.0) * (1 + 1e-8));
+  EXPECT_GE(arc_margin(*nest, turn, pivot), radius * (1 - std::cos(0.5)));
+}
+
+TEST(Compounds, NestsThatLeaveTheRangeOfNumbersAreRefused) {
+  const ShapePtr cube = make_shape(shapes::cube(0.5));
+  const auto in = [](const ShapePtr& shape, double scale, const Pose& pose = Pose::Identity()) {
+    const CompoundPart parts[] = {{shape, pose, scale}};
+    return make_compound(parts);
+  };
+  const auto message = [](auto&& make) -> std::string {
+    try {
+      make();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  // Would come back as a point: 1e-322 has two digits, 1e-350 none.
+  const ShapePtr tiny = in(cube, 1e-50);
+  EXPECT_EQ(message([&] { in(tiny, 1e-50); }), "part 0: its part 0: the scale is 1e-100, not between 1e-50 and 1e50");
+  EXPECT_EQ(message([&] { in(in(cube, 1e50), 1e50); }),
+            "part 0: its part 0: the scale is 1e+100, not between 1e-50 and 1e50");
+  EXPECT_EQ(message([&] { in(tiny, 1e50); }), "");
+  // An infinite reach times a slack of 0 is no number.
+  CageHierarchy far;
+  far.fine = shapes::cube(0.5);
+  far.origin = Vector(1e200, 0, 0);
+  const CompoundPart lost[] = {{cube}, {make_shape(far)}};
+  EXPECT_EQ(message([&] { make_compound(lost); }), "part 1: it reaches inf from the origin, farther than 1e150");
+  EXPECT_EQ(message([&] { in(in(cube, 1, shift(1e140, 0, 0)), 1e20); }),
+            "part 0: its part 0: the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
+  // What poses depart from rigid adds up.
+  Pose larger = Pose::Identity();
+  larger.linear() *= 1 + 2e-13;
+  ShapePtr nest = cube;
+  std::string refused;
+  int depth = 0;
+  for (; refused.empty() && depth < 400; ++depth) refused = message([&] { nest = in(nest, 1, larger); });
+  EXPECT_EQ(refused,
+            "part 0: its part 0: the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
+  EXPECT_NEAR(depth, 1e-10 / (std::sqrt(3.0) * 4e-13), 2);  // in Frobenius' norm
 }
 
 TEST(Compounds, LiveInAWorldAndAllocateNothing) {
@@ -334,10 +388,10 @@ TEST(Compounds, BadInputNamesThePart) {
     return "";
   };
   EXPECT_EQ(message({}), "part 1: no shape");
-  EXPECT_EQ(message({cube, Pose::Identity(), -2}), "part 1: the scale is -2.000000, not between 1e-50 and 1e50");
+  EXPECT_EQ(message({cube, Pose::Identity(), -2}), "part 1: the scale is -2, not between 1e-50 and 1e50");
   Pose sheared = Pose::Identity();
   sheared.linear()(0, 1) = 1e-10;
-  EXPECT_EQ(message({cube, sheared}), "part 1: the pose is not finite or farther than 1e-12 from rigid");
+  EXPECT_EQ(message({cube, sheared}), "part 1: the pose is not finite, beyond 1e150 or farther than 1e-12 from rigid");
   EXPECT_THROW(make_compound({}), Error);
 }
 

@@ -9,6 +9,7 @@
 #include <encage/asset.h>
 #include <encage/broadphase.h>
 #include <encage/contact.h>
+#include <encage/shape_cache.h>
 
 #include <gtest/gtest.h>
 
@@ -188,6 +189,21 @@ std::pair<std::size_t, std::size_t> place_of(const std::string& asset, const std
     return {view["byteOffset"].get<std::size_t>(), view["byteLength"].get<std::size_t>()};
   }
   throw std::runtime_error("no section " + name);
+}
+
+TEST(LoadShape, ReadsAnIndexOfAnyLengthByCopy) {
+  // 27 meshes fill the part of a file that is read first.
+  for (const std::size_t levels : {2, 26, 27, 60}) {
+    const TemporaryFile file;
+    CageHierarchy hierarchy = sample_hierarchy();
+    while (hierarchy.levels.size() < levels) hierarchy.levels.push_back(hierarchy.levels.back());
+    write_asset(file.path(), hierarchy);
+    for (const LoadMode mode : {LoadMode::map, LoadMode::copy}) {
+      EXPECT_EQ(level_count(*load_shape(file.path(), {}, mode)), levels);
+      ShapeCache cache({1 << 20, mode});
+      EXPECT_EQ(level_count(*cache.load(file.path())), levels);
+    }
+  }
 }
 
 TEST(LoadShape, NamesFileAndSectionOfADamagedByte) {

@@ -302,6 +302,23 @@ TEST(ShapeCaches, NameWhatABudgetIsTooSmallFor) {
     EXPECT_EQ(error_of([&] { FineLease lease(*built); }).rfind(old + ": the fine mesh needs ", 0), 0u);
     EXPECT_EQ(small.statistics().resident_bytes, 0);
   }
+  // So it does where there is room for it, but not for a pair.
+  const std::int64_t built_size = [&] {
+    ShapeCache cache({plenty});
+    const ShapePtr alone = cache.load(old);
+    const FineLease lease(*alone);
+    return cache.statistics().resident_bytes;
+  }();
+  ASSERT_GT(built_size, size_of_fine(old));
+  ShapeCache pair({2 * built_size - 1});
+  const ShapePtr a = pair.load(old), b = pair.load(old);
+  EXPECT_NO_THROW(FineLease{*a});
+  EXPECT_EQ(error_of([&] { FineLease lease(*b); }),
+            old + ": the fine mesh needs " + std::to_string(built_size) +
+                " bytes with its tree, the largest other one " + std::to_string(built_size) +
+                " bytes, a pair of them more than the budget of " + std::to_string(2 * built_size - 1) + " bytes");
+  EXPECT_FALSE(separated(*b, rest, *b, rest).separated);
+  EXPECT_LE(pair.statistics().peak_bytes, built_size);
 }
 
 // ---- Failures --------------------------------------------------------------
@@ -372,6 +389,27 @@ TEST(ShapeCaches, NameFileAndSectionOfADamagedFineMeshWhenItIsNeeded) {
                   std::memcpy(bin.data() + section_offset(good, "source vertices") - head, &far, sizeof far);
                 }));
     expect_failure(cache.load(equal.files[0]), equal.files[0].string() + ": source: reaches beyond the cages");
+    // Nor this, whose tree has to be built: then it is another size that is given back.
+    write_bytes(equal.files[0], forge(
+                                    good,
+                                    [](nlohmann::json& d) {
+                                      auto& sections = d["extensions"]["ENCAGE_cages"]["sections"];
+                                      for (std::size_t i = 0; i < sections.size(); ++i) {
+                                        if (sections[i]["name"] == "source boxes") sections.erase(i);
+                                      }
+                                    },
+                                    [&](std::string& bin) {
+                                      const std::size_t head = parse_glb(as_byte_span(good), "f").head.size();
+                                      const float far = 1e4F;
+                                      std::memcpy(bin.data() + section_offset(good, "source vertices") - head, &far,
+                                                  sizeof far);
+                                    }));
+    {
+      const ShapePtr kept = cache.load(std::string(ENCAGE_TEST_DATA) + "/asset_v1_boxes.glb");
+      expect_failure(cache.load(equal.files[0]), equal.files[0].string() + ": source: reaches beyond the cages");
+      EXPECT_NO_THROW(FineLease{*kept});
+    }
+    EXPECT_EQ(cache.statistics().resident_bytes, 0);
     write_bytes(equal.files[0], good);
   }
 }

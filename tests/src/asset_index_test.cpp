@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "src/asset_view.h"
 #include "src/asset_writer.h"
@@ -100,11 +103,12 @@ TEST(AssetIndexes, NonsenseIsRefused) {
     return refusal(with_index(good, index));
   };
   EXPECT_EQ(edited([](AssetIndex&) {}), "");
-  const std::string numbers = "f.glb: section \"index\": its numbers mean nothing";
-  EXPECT_EQ(edited([](AssetIndex& i) { i.fine_error = -1; }), numbers);
-  EXPECT_EQ(edited([](AssetIndex& i) { i.fine_error = std::numeric_limits<double>::infinity(); }), numbers);
-  EXPECT_EQ(edited([](AssetIndex& i) { i.origin[2] = std::numeric_limits<double>::quiet_NaN(); }), numbers);
-  EXPECT_EQ(edited([](AssetIndex& i) { i.solid = static_cast<Solid>(3); }), numbers);
+  const std::string index = "f.glb: section \"index\": ", error = index + "fine_error is not a finite distance";
+  EXPECT_EQ(edited([](AssetIndex& i) { i.fine_error = -1; }), error);
+  EXPECT_EQ(edited([](AssetIndex& i) { i.fine_error = std::numeric_limits<double>::infinity(); }), error);
+  EXPECT_EQ(edited([](AssetIndex& i) { i.origin[2] = std::numeric_limits<double>::quiet_NaN(); }),
+            index + "the origin is not finite");
+  EXPECT_EQ(edited([](AssetIndex& i) { i.solid = static_cast<Solid>(3); }), index + "solid is 3, not 0, 1 or 2");
   const std::string place = "f.glb: section \"index\": \"cage 1 boxes\" cannot be where it says";
   const auto moved = [&](auto&& edit) { return edited([&](AssetIndex& i) { edit(i.meshes[1][2]); }); };
   EXPECT_EQ(moved([](AssetIndex::Array& a) { a.before = 0xFFFFFFC0; }), place);  // before the file
@@ -117,30 +121,89 @@ TEST(AssetIndexes, NonsenseIsRefused) {
             "f.glb: section \"index\": \"cage 2 vertices\" cannot be where it says");  // not in order
 }
 
-TEST(AssetIndexes, AreComparedWithTheJsonWhereAllIsVerified) {
-  AssetIndex index = index_of(sample());
-  index.origin[1] += 1;
-  // Every hash is right.
+/// The sample with these bytes in the index's place, and every hash right. Its section stands in `sections`, the
+/// JSON's, as it should, before `edit` may change that.
+std::string with_index_bytes(const std::string& index, const std::function<void(nlohmann::json& sections)>& edit = {}) {
+  const std::string good = sample();
   const std::string bytes = forge(
-      sample(),
+      good,
       [&](nlohmann::json& document) {
         auto& sections = document["extensions"][asset_extension]["sections"];
-        const std::string hash = to_string(hash_bytes(as_byte_span(encode_index(index))));
         sections.push_back({{"bufferView", sections.size()},
                             {"element_size", index_element_size},
-                            {"hash", hash},
+                            {"hash", to_string(hash_bytes(as_byte_span(index)))},
                             {"kind", "cage"},
                             {"name", index_name}});
+        if (edit) edit(sections);
       },
-      [&](std::string& bin) {
-        const std::string other = encode_index(index);
-        bin.replace(bin.size() - other.size(), other.size(), other);
-      });
+      [&](std::string& bin) { bin.replace(bin.size() - index.size(), index.size(), index); });
+  return bytes;
+}
+
+std::string refusal_of_all(const std::string& asset) {
+  const AlignedBytes aligned(asset);
+  return error_of([&] { AssetView(aligned.span(), "f.glb", Verify::all); });
+}
+
+TEST(AssetIndexes, AreComparedWithTheJsonWhereAllIsVerified) {
+  const AssetIndex good = index_of(sample());
+  const AlignedBytes unchanged(with_index_bytes(encode_index(good)));
+  EXPECT_EQ(AssetView(unchanged.span(), "f.glb", Verify::all).level_count(), 2U);
+
+  AssetIndex index = good;
+  index.origin[1] += 1;
+  const std::string bytes = with_index_bytes(encode_index(index));
   ASSERT_EQ(bytes.size(), sample().size());
+  EXPECT_EQ(refusal_of_all(bytes), "f.glb: section \"index\": its last 64 bytes do not say what the JSON says");
   const AlignedBytes aligned(bytes);
-  EXPECT_EQ(error_of([&] { AssetView(aligned.span(), "f.glb", Verify::all); }),
-            "f.glb: section \"index\": does not say what the JSON says");
   EXPECT_EQ(AssetView(aligned.span(), "f.glb", Verify::cages, AssetParts::arrays).summary().origin[1], 1);
+
+  index = good;
+  index.meshes[1][3] = index.meshes[2][3];
+  EXPECT_EQ(refusal_of_all(with_index_bytes(encode_index(index))),
+            "f.glb: section \"index\": of \"cage 1 leaves\" it does not say what the JSON says");
+}
+
+// Loading takes what lies before the seal, whatever the JSON says of an index.
+TEST(AssetIndexes, AreWhereTheJsonSays) {
+  AssetIndex index = index_of(sample());
+  index.origin[1] += 1;
+  const std::string bytes = encode_index(index);
+  // The size of the file is known once it has been made.
+  const auto fitted = [&](auto&& edit) {
+    index.file_size = static_cast<std::uint32_t>(with_index_bytes(bytes, edit).size());
+    return with_index_bytes(encode_index(index), edit);
+  };
+  EXPECT_EQ(refusal_of_all(fitted([](nlohmann::json& sections) { sections.erase(sections.size() - 1); })),
+            "f.glb: section \"index\": before the seal, but not among the sections");
+  const std::string elsewhere = "f.glb: section \"index\": it is not what is before the seal";
+  EXPECT_EQ(refusal_of_all(fitted([](nlohmann::json& sections) {
+              sections.erase(sections.size() - 1);
+              sections.back()["name"] = index_name;
+            })),
+            elsewhere);
+  EXPECT_EQ(refusal_of_all(with_index_bytes(std::string(bytes.size(), '\0'))), elsewhere);
+}
+
+// A mesh is what its accessors name; by the index it is what its sections are called.
+TEST(AssetIndexes, MeshesAreCalledWhatTheyAre) {
+  const auto swap = [](nlohmann::json& sections) {
+    std::vector<nlohmann::json*> vertices;
+    for (auto& section : sections) {
+      if (section["name"] == "cage 1 vertices" || section["name"] == "cage 2 vertices") vertices.push_back(&section);
+    }
+    std::swap((*vertices.at(0))["name"], (*vertices.at(1))["name"]);
+  };
+  EXPECT_EQ(refusal_of_all(with_index_bytes(encode_index(index_of(sample())), swap)),
+            "f.glb: section \"index\": section \"cage 1 vertices\" is not what the mesh has");
+}
+
+TEST(AssetIndexes, OfAnotherVersionOfTheFormatAreNotTaken) {
+  std::string asset = sample();
+  char& version = asset[asset.size() - seal_size - 64 + 14];
+  ASSERT_EQ(version, asset_version);
+  ++version;
+  EXPECT_FALSE(find_index(as_byte_span(asset)));
 }
 
 TEST(AssetIndexes, AreNotSeenInOtherFiles) {
