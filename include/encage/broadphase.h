@@ -54,8 +54,8 @@ struct CompoundPart {
 /// A body of several rigid parts, which may overlap: their union. Shares the parts' shapes; compounds among them are
 /// taken apart. Triangles and vertices of fine meshes count through all parts, in order. Queries cost what the parts
 /// near the other body cost. Throws Error naming the part: no shape; a pose not finite, beyond 1e150 or farther than
-/// 1e-12 from rigid; a scale not between 1e-50 and 1e50; a part that reaches farther than 1e150. In nests also what they
-/// amount to: there 1e-10 from rigid.
+/// 1e-12 from rigid; a scale not between 1e-50 and 1e50; a part that reaches farther than 1e150. In nests also what
+/// they amount to: there 1e-10 from rigid.
 ShapePtr make_compound(std::span<const CompoundPart> parts);
 
 std::int64_t part_count(const Shape& shape) noexcept;  ///< 1 for what is no compound
