@@ -308,11 +308,11 @@ void AssetView::check_index(std::span<const std::byte> bytes) const {
     const std::array<const void*, 2> starts = {view.vertices.data(), view.triangles.data()};
     AssetIndex::Mesh& mesh = index.meshes.emplace_back();
     for (std::size_t k = 0; k < mesh_sections.size(); ++k) {
-      const std::string array_name = section_name(mesh_name, mesh_sections[k]);
-      const AssetSection* const array = find_section(array_name);
-      if (!array) throw Error(place + "there is no section \"" + array_name + "\"");
+      const auto array_name = [&] { return section_name(mesh_name, mesh_sections[k]); };
+      const AssetSection* const array = find_section(array_name());
+      if (!array) throw Error(place + "there is no section \"" + array_name() + "\"");
       if (k < starts.size() && starts[k] != array->bytes.data()) {
-        throw Error(place + "section \"" + array_name + "\" is not what the mesh has");
+        throw Error(place + "section \"" + array_name() + "\" is not what the mesh has");
       }
       mesh[k] = {static_cast<std::uint32_t>(section->bytes.data() - array->bytes.data()),
                  static_cast<std::uint32_t>(array->bytes.size()), array->hash};
