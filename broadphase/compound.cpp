@@ -24,8 +24,6 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // Far below what the whole's pose may depart from rigid: the product of both stays usable.
 constexpr double most_departure = 1e-12, most_departure_in_nests = 1e-10;
-// Larger coordinates could overflow where bounds are added up.
-constexpr double largest_reach = 1e150;
 
 std::string name(std::size_t part) { return "part " + std::to_string(part) + ": "; }
 
@@ -49,7 +47,7 @@ void check(const ShapePart& part, const std::string& place) {
   if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > most_departure_in_nests) {
     throw Error(place + "the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
   }
-  if (!(part.reach <= largest_reach)) {
+  if (!(part.reach <= largest_length)) {
     throw Error(place + "it reaches " + number_text(part.reach) + " from the origin, farther than 1e150");
   }
 }

@@ -30,9 +30,7 @@ double departure_from_rigid(const Eigen::Matrix3d& linear) noexcept {
 }
 
 bool is_usable(const Eigen::Isometry3d& pose) noexcept {
-  // Larger coordinates could overflow where bounds are added up.
-  constexpr double largest = 1e150;
-  return pose.translation().cwiseAbs().maxCoeff() <= largest && pose.translation().allFinite() &&
+  return pose.translation().cwiseAbs().maxCoeff() <= largest_length && pose.translation().allFinite() &&
          departure_from_rigid(pose.linear()) <= 1e-9;
 }
 

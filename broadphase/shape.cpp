@@ -37,7 +37,9 @@ void check_mesh(const TriangleMesh& mesh) {
 /// Everything but the surfaces; what a reader has checked holds for hierarchies made otherwise, too.
 std::shared_ptr<Shape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
   if (levels > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
-  if (!summary.origin.allFinite()) throw Error("hierarchy: the origin is not finite");
+  if (!(summary.origin.array().abs() <= largest_length).all()) {
+    throw Error("hierarchy: the origin is not finite or beyond 1e150");
+  }
   if (!(summary.fine_error >= 0) || std::isinf(summary.fine_error)) {
     throw Error("hierarchy: fine_error is not a finite distance");
   }

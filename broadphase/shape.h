@@ -14,6 +14,9 @@
 
 namespace encage {
 
+/// Of places, sizes and margins: larger ones could overflow where bounds are added up.
+inline constexpr double largest_length = 1e150;
+
 /// A surface in the local frame of its hierarchy, ready for queries. Its arrays live in the Shape.
 struct Surface : MeshArraysView {
   Surface() = default;

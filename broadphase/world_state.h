@@ -17,9 +17,6 @@
 
 namespace encage {
 
-// Larger ones could overflow where bounds are added up.
-inline constexpr double largest_length = 1e150;
-
 /// Why a length is refused, e.g. "the margin -1 is negative"; empty if it is not.
 std::string length_defect(const char* what, double length);
 

@@ -32,7 +32,8 @@ struct ShapeOptions {
 /// Builds the trees; O(n log n) for n triangles, single-threaded. Copies what it
 /// needs. Throws Error if the hierarchy is malformed: nothing to test (no
 /// levels and no fine mesh), a cage that is empty or not closed, indices out of
-/// range, coordinates that are not finite or not exact in float32.
+/// range, coordinates that are not finite or not exact in float32, an origin
+/// beyond 1e150.
 ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options = {});
 
 /// A shape without cages, e.g. static terrain: the mesh as it is, degenerate triangles and all. It is solid where no

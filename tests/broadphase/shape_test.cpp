@@ -69,7 +69,11 @@ TEST(Shape, RefusesMalformedHierarchies) {
             "fine mesh: triangle 1: index 4 is out of range, there are 4 vertices");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = -1; }),
             "fine mesh: triangle 1: index 4294967295 is out of range, there are 4 vertices");
-  EXPECT_EQ(message([](CageHierarchy& h) { h.origin.y() = nan; }), "hierarchy: the origin is not finite");
+  // Scaled by as much as a body may be, 1e300 would make boxes that are no numbers.
+  for (const double bad : {nan, 1e300, -1.01e150}) {
+    EXPECT_EQ(message([&](CageHierarchy& h) { h.origin.y() = bad; }),
+              "hierarchy: the origin is not finite or beyond 1e150");
+  }
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine_error = -1; }), "hierarchy: fine_error is not a finite distance");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine_error = nan; }), "hierarchy: fine_error is not a finite distance");
 }
