@@ -14,10 +14,10 @@
 #include "bench/assets/make_assets.h"
 #include "bench/assets/measure.h"
 #include "bench/zoo/isolated.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "cagegen/tool/progress.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
 
 namespace encage::assets {
 namespace {

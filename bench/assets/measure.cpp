@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-#include "src/hash.h"
+#include "src/files/hash.h"
 
 namespace encage::assets {
 namespace {

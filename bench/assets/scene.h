@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <encage/broadphase.h>
+#include <encage/shape.h>
 
 #include <cstddef>
 #include <span>

@@ -10,8 +10,8 @@
 
 #include "bench/bullet/compare.h"
 #include "bench/tank/octopus.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
 
 namespace encage::bullet_bench {
 namespace {

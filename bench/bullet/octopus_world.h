@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/bullet/contact_points.h"
+#include "oracles/bullet_contact_points.h"
 
 namespace encage::bullet_bench {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bench/covers/ball_pairs.h"
-#include "src/bvh.h"
+#include "src/tree/bvh.h"
 
 namespace encage::covers {
 namespace {

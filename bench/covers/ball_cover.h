@@ -3,13 +3,13 @@
 
 #include <array>
 
-#include "broadphase/surface_pair.h"
+#include "broadphase/separation/surface_pair.h"
 
 namespace encage::covers {
 
 /// Eight balls side by side, of the surface's local frame.
 struct alignas(32) BallNode {
-  static constexpr int width = WideNode::width;
+  static constexpr int width = MeshNode::width;
   static constexpr std::int32_t last = 0;  ///< `child` of a ball that nothing is below
 
   std::array<float, width> x, y, z, radius;

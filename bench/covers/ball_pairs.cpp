@@ -102,7 +102,7 @@ class Traversal {
   struct Pair {
     Ref a, b;
   };
-  static constexpr int stack_size = width * (2 * WideTree::max_depth + 8);
+  static constexpr int stack_size = width * (2 * MeshTree::max_depth + 8);
 
   /// False if there are two last balls near each other.
   HWY_INLINE bool open(const BallNode& node, const Ref& other, bool opens_a) {

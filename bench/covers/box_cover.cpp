@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/covers/box_cover.h"
 
-#include "broadphase/box_gate.h"
+#include "broadphase/separation/box_gate.h"
 
 namespace encage::covers {
 
@@ -9,13 +9,13 @@ BoxCover::BoxCover(const Surface& surface, std::int64_t boxes) {
   const CutTree cut = cut_tree(surface.tree, boxes);
   boxes_ = cut.boxes;
   tree_.grid = surface.tree.grid;
-  tree_.leaves.resize(WideTree::leaf_size);  // nobody looks what is in the last boxes
+  tree_.leaves.resize(MeshTree::leaf_size);  // nobody looks what is in the last boxes
   for (const std::int32_t index : cut.nodes) {
-    WideNode node = surface.tree.nodes[index];
-    for (int lane = 0; lane < WideNode::width; ++lane) {
-      if (node.count(lane) == WideNode::unused) continue;
+    MeshNode node = surface.tree.nodes[index];
+    for (int lane = 0; lane < MeshNode::width; ++lane) {
+      if (node.count(lane) == MeshNode::unused) continue;
       const std::int32_t child = cut.child(node, lane);
-      node.set_link(lane, child < 0 ? 0 : child, child < 0 ? 1 : WideNode::inner);
+      node.set_link(lane, child < 0 ? 0 : child, child < 0 ? 1 : MeshNode::inner);
     }
     tree_.nodes.push_back(node);
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench/covers/cut_tree.h"
-#include "broadphase/surface_pair.h"
+#include "broadphase/separation/surface_pair.h"
 
 namespace encage::covers {
 
@@ -11,12 +11,12 @@ class BoxCover {
  public:
   BoxCover(const Surface& surface, std::int64_t boxes);
 
-  const WideTree& tree() const { return tree_; }
+  const MeshTree& tree() const { return tree_; }
   std::int64_t boxes() const { return boxes_; }
-  std::size_t bytes() const { return tree_.nodes.size() * sizeof(WideNode); }
+  std::size_t bytes() const { return tree_.nodes.size() * sizeof(MeshNode); }
 
  private:
-  WideTree tree_;
+  MeshTree tree_;
   std::int64_t boxes_ = 0;
 };
 

@@ -6,7 +6,7 @@
 namespace encage::covers {
 namespace {
 
-double size_of(const WideNode& node, int lane) {
+double size_of(const MeshNode& node, int lane) {
   double sum = 8.0 * (node.slab_upper[lane] - node.slab_lower[lane]);
   for (int axis = 0; axis < 3; ++axis) sum += node.upper[axis][lane] - node.lower[axis][lane];
   return sum;
@@ -23,18 +23,18 @@ struct Closed {
 
 }  // namespace
 
-CutTree cut_tree(const WideTreeView& tree, std::int64_t boxes) {
+CutTree cut_tree(const MeshTreeView& tree, std::int64_t boxes) {
   CutTree cut;
   cut.places.assign(tree.nodes.size(), -1);
   std::priority_queue<Closed> closed;
   const auto keep = [&](std::int32_t index) {
     cut.places[index] = static_cast<std::int32_t>(cut.nodes.size());
     cut.nodes.push_back(index);
-    const WideNode& node = tree.nodes[index];
-    for (int lane = 0; lane < WideNode::width; ++lane) {
-      if (node.count(lane) == WideNode::unused) continue;
+    const MeshNode& node = tree.nodes[index];
+    for (int lane = 0; lane < MeshNode::width; ++lane) {
+      if (node.count(lane) == MeshNode::unused) continue;
       ++cut.boxes;
-      if (node.count(lane) == WideNode::inner) closed.push({size_of(node, lane), node.child(lane)});
+      if (node.count(lane) == MeshNode::inner) closed.push({size_of(node, lane), node.child(lane)});
     }
   };
   keep(0);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/mesh_arrays.h"
+#include "src/tree/mesh_arrays.h"
 
 namespace encage::covers {
 
@@ -15,12 +15,12 @@ struct CutTree {
   std::int64_t boxes = 0;            ///< that are not opened: together they hold every triangle
 
   /// Where a lane of a kept node leads among `nodes`; -1 for a box that is not opened.
-  std::int32_t child(const WideNode& node, int lane) const {
-    return node.count(lane) == WideNode::inner ? places[node.child(lane)] : -1;
+  std::int32_t child(const MeshNode& node, int lane) const {
+    return node.count(lane) == MeshNode::inner ? places[node.child(lane)] : -1;
   }
 };
 
 /// At least `boxes` of them, at most 7 more, or all leaves if there are fewer. The tree must not be empty.
-CutTree cut_tree(const WideTreeView& tree, std::int64_t boxes);
+CutTree cut_tree(const MeshTreeView& tree, std::int64_t boxes);
 
 }  // namespace encage::covers

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "broadphase/pair_motion.h"
+#include "broadphase/motion/pair_motion.h"
 
 namespace encage::covers {
 

@@ -13,11 +13,11 @@
 #include <string>
 
 #include "bench/distance/compare.h"
-#include "broadphase/shape.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "cagegen/tool/progress.h"
+#include "broadphase/shape/shape.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
 
 namespace encage::distances {
 namespace {

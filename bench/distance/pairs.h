@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <encage/broadphase.h>
 #include <encage/distance.h>
 #include <encage/poses.h>
+#include <encage/separated.h>
 
 #include <string>
 #include <vector>

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "bench/micro/benches.h"
-#include "broadphase/box_gate.h"
-#include "broadphase/frame.h"
-#include "broadphase/shape.h"
-#include "tests/shapes.h"
+#include "broadphase/motion/frame.h"
+#include "broadphase/separation/box_gate.h"
+#include "broadphase/shape/shape.h"
+#include "oracles/meshes.h"
 
 namespace encage::micro {
 namespace {
@@ -27,7 +27,7 @@ std::vector<BoxGate> gates_of(const Workload& w, const Surface& surface, bool mo
   return gates;
 }
 
-std::int64_t leaf_pairs(const WideTreeView& tree, const BoxGate& gate) {
+std::int64_t leaf_pairs(const MeshTreeView& tree, const BoxGate& gate) {
   std::int64_t pairs = 0;
   const auto count = [](void* counter, std::int32_t, std::int32_t, std::int32_t, std::int32_t) {
     ++*static_cast<std::int64_t*>(counter);
@@ -38,7 +38,7 @@ std::int64_t leaf_pairs(const WideTreeView& tree, const BoxGate& gate) {
 }
 
 /// Whole traversals on one instruction set: items are pairs of trees.
-void traverse(benchmark::State& state, const WideTreeView& tree, const std::vector<BoxGate>& gates,
+void traverse(benchmark::State& state, const MeshTreeView& tree, const std::vector<BoxGate>& gates,
               std::int64_t target) {
   hwy::SetSupportedTargetsForTest(target);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
@@ -50,7 +50,7 @@ void traverse(benchmark::State& state, const WideTreeView& tree, const std::vect
   hwy::GetChosenTarget().DeInit();
 }
 
-void add_traversals(const std::string& name, const WideTreeView& tree, const std::vector<BoxGate>& gates) {
+void add_traversals(const std::string& name, const MeshTreeView& tree, const std::vector<BoxGate>& gates) {
   std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
   // What remains on the plainest machine.
   if (std::find(targets.begin(), targets.end(), std::int64_t{HWY_STATIC_TARGET}) == targets.end()) {

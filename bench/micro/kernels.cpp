@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "bench/micro/benches.h"
-#include "broadphase/containment.h"
-#include "broadphase/frame.h"
-#include "broadphase/leaf_gate.h"
-#include "broadphase/shape.h"
-#include "tests/shapes.h"
+#include "broadphase/motion/frame.h"
+#include "broadphase/separation/containment.h"
+#include "broadphase/separation/leaf_gate.h"
+#include "broadphase/shape/shape.h"
+#include "oracles/meshes.h"
 
 namespace encage::micro {
 namespace {

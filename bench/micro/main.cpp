@@ -9,7 +9,7 @@
 #include <string>
 
 #include "bench/micro/benches.h"
-#include "cagegen/tool/program.h"
+#include "cagegen/cli/program.h"
 
 namespace encage::micro {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "bench/micro/benches.h"
-#include "broadphase/body_box.h"
-#include "broadphase/frame.h"
-#include "broadphase/shape.h"
+#include "broadphase/motion/frame.h"
+#include "broadphase/motion/turned_box.h"
+#include "broadphase/shape/shape.h"
 
 namespace encage::micro {
 namespace {

@@ -12,11 +12,11 @@
 #include <system_error>
 #include <utility>
 
-#include "broadphase/box_gate.h"
-#include "broadphase/frame.h"
-#include "broadphase/shape.h"
-#include "broadphase/surface_pair.h"
-#include "tests/shapes.h"
+#include "broadphase/motion/frame.h"
+#include "broadphase/separation/box_gate.h"
+#include "broadphase/separation/surface_pair.h"
+#include "broadphase/shape/shape.h"
+#include "oracles/meshes.h"
 
 namespace encage::micro {
 namespace {

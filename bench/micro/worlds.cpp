@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "bench/micro/benches.h"
-#include "broadphase/box_tree.h"
-#include "broadphase/shape.h"
-#include "tests/shapes.h"
+#include "broadphase/shape/shape.h"
+#include "broadphase/world/body_tree.h"
+#include "oracles/meshes.h"
 
 namespace encage::micro {
 namespace {
@@ -35,8 +35,8 @@ FloatBox box_at(const Eigen::Vector3d& centre, double half) {
 /// All leaves move; then the pairs. Items are bodies.
 void box_tree(benchmark::State& state) {
   const std::vector<Motion> motions = crowd(state.range(0), 1);
-  BoxTree tree;
-  std::vector<BoxTree::Leaf> leaves;
+  BodyTree tree;
+  std::vector<BodyTree::Leaf> leaves;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     leaves.push_back(tree.insert(box_at(motions[i].start.translation(), 0.6), static_cast<std::uint32_t>(i)));
   }

@@ -8,7 +8,7 @@
 
 #include "cagegen/certify/box_tree.h"
 #include "cagegen/certify/exact.h"
-#include "tests/broadphase/exact_pair.h"
+#include "oracles/exact_pair.h"
 
 namespace encage::replay {
 namespace {

@@ -20,10 +20,10 @@
 #include "bench/replay/replay.h"
 #include "bench/replay/replay_report.h"
 #include "bench/tank/recorded_poses.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "cagegen/tool/progress.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
 
 namespace encage::replay {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/mesh_shape.h"
 
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 #include <encage/asset.h>
 #include <encage/bake.h>

@@ -10,11 +10,11 @@
 #include <map>
 
 #include "bench/scale/measure.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "cagegen/tool/progress.h"
-#include "tests/shapes.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
+#include "oracles/meshes.h"
 
 namespace encage::scale {
 namespace {

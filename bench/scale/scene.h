@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <encage/broadphase.h>
+#include <encage/shape.h>
 
 #include <cstdint>
 #include <random>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "broadphase/box_tree.h"
+#include "broadphase/world/body_tree.h"
 
 namespace encage::scale {
 

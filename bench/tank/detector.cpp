@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "broadphase/shape.h"
+#include "broadphase/shape/shape.h"
 
 namespace encage::tank {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <embree3/rtcore.h>
-#include <encage/broadphase.h>
+#include <encage/separated.h>
 
 #include <cstdint>
 #include <memory>

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tests/broadphase/exact_ccd.h"
+#include "oracles/exact_ccd.h"
 
 namespace encage::tank {
 namespace {

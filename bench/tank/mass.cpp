@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/principal_frame.h"
+#include "src/mesh/principal_frame.h"
 
 namespace encage::tank {
 namespace {

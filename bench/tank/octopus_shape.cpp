@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "src/portable_trig.h"
+#include "src/mesh/portable_trig.h"
 
 namespace encage::tank {
 namespace {

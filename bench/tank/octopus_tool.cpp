@@ -11,7 +11,7 @@
 #include "bench/tank/drift.h"
 #include "bench/tank/octopus.h"
 #include "bench/tank/seconds.h"
-#include "cagegen/tool/program.h"
+#include "cagegen/cli/program.h"
 
 namespace {
 

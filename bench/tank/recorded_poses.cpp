@@ -7,7 +7,7 @@
 #include <array>
 #include <span>
 
-#include "src/hash.h"
+#include "src/files/hash.h"
 
 namespace encage::tank {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "src/hash.h"
+#include "src/files/hash.h"
 
 namespace encage::tank {
 namespace {

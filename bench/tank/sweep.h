@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <encage/broadphase.h>
 #include <encage/mesh.h>
+#include <encage/shape.h>
 
 namespace encage::tank {
 

@@ -20,11 +20,11 @@
 #include "bench/tank/seconds.h"
 #include "bench/tank/simulate.h"
 #include "bench/tank/simulation_report.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
 #include "cagegen/tool/bake_mesh.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "cagegen/tool/progress.h"
 
 namespace encage::tank {
 namespace {

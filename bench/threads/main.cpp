@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "bench/threads/steps.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "cagegen/tool/progress.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
 
 namespace encage::threads {
 namespace {

@@ -14,11 +14,11 @@
 #include <thread>
 #include <vector>
 
-#include "bench/twins/run.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "cagegen/tool/progress.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
+#include "oracles/twins/run.h"
 
 namespace encage::twins {
 namespace {

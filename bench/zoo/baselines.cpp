@@ -13,7 +13,7 @@
 #include "bench/zoo/intersections.h"
 #include "bench/zoo/plain_methods.h"
 #include "cagegen/collapse/starts.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::zoo {
 

@@ -13,10 +13,10 @@
 #include "bench/zoo/comparison.h"
 #include "bench/zoo/report.h"
 #include "bench/zoo/zoo.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
 #include "cagegen/tool/bake_options.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
-#include "src/atomic_file.h"
+#include "src/files/atomic_file.h"
 
 namespace encage::zoo {
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "bench/zoo/triplets.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
 #include "cagegen/render/arguments.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/program.h"
 
 namespace encage::zoo {
 

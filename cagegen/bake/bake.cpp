@@ -10,7 +10,7 @@
 #include "cagegen/bake/coarse_meshes.h"
 #include "cagegen/bake/level_maker.h"
 #include "cagegen/bake/options.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cagegen/certify/certify.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

@@ -10,7 +10,7 @@
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/geometry/qp3.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

@@ -13,7 +13,7 @@
 #include "cagegen/collapse/convex_hull.h"
 #include "cagegen/collapse/starts.h"
 #include "cagegen/geometry/cgal_mesh.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

@@ -8,7 +8,7 @@
 
 #include "cagegen/geometry/closest.h"
 #include "cagegen/geometry/separation.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

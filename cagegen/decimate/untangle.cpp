@@ -6,7 +6,7 @@
 #include "cagegen/decimate/decimate.h"
 #include "cagegen/decimate/self_contact.h"
 #include "cagegen/geometry/closest.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

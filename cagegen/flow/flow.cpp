@@ -11,7 +11,7 @@
 #include "cagegen/flow/parallel.h"
 #include "cagegen/flow/pull.h"
 #include "cagegen/geometry/obstacle.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

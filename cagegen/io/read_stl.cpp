@@ -5,7 +5,7 @@
 
 #include "cagegen/io/mesh_file.h"
 #include "cagegen/io/text_scanner.h"
-#include "cagegen/io/weld.h"
+#include "cagegen/sanitize/weld.h"
 
 namespace encage::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "cagegen/io/ear_clip.h"
+#include "cagegen/sanitize/ear_clip.h"
 
 namespace encage {
 

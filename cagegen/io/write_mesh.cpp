@@ -7,7 +7,7 @@
 #include <string>
 
 #include "cagegen/io/mesh_file.h"
-#include "src/atomic_file.h"
+#include "src/files/atomic_file.h"
 
 namespace encage {
 namespace {

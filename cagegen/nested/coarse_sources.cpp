@@ -7,7 +7,7 @@
 
 #include "cagegen/collapse/starts.h"
 #include "cagegen/decimate/decimate.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

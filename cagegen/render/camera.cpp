@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "src/portable_trig.h"
+#include "src/mesh/portable_trig.h"
 
 namespace encage::render {
 namespace {

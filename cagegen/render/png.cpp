@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "src/atomic_file.h"
+#include "src/files/atomic_file.h"
 
 namespace encage::render {
 

@@ -14,7 +14,7 @@
 #include "cagegen/render/camera.h"
 #include "cagegen/render/section.h"
 #include "cagegen/render/surface.h"
-#include "src/portable_trig.h"
+#include "src/mesh/portable_trig.h"
 
 namespace encage::render {
 namespace {

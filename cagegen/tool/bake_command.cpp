@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/progress.h"
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/bake_options.h"
 #include "cagegen/tool/command.h"
 #include "cagegen/tool/flow_options.h"
-#include "cagegen/tool/interrupt.h"
-#include "cagegen/tool/output_file.h"
-#include "cagegen/tool/progress.h"
 
 namespace encage::tool {
 

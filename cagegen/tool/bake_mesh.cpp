@@ -7,7 +7,7 @@
 #include <array>
 #include <cstddef>
 
-#include "cagegen/tool/cage_json.h"
+#include "cagegen/cli/cage_json.h"
 
 namespace encage::tool {
 

@@ -12,10 +12,10 @@
 #include <span>
 #include <string>
 
+#include "cagegen/cli/output_file.h"
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/command.h"
-#include "cagegen/tool/output_file.h"
-#include "src/asset_view.h"
+#include "src/asset/view.h"
 
 namespace encage::tool {
 

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "cagegen/tool/program.h"
+#include "cagegen/cli/program.h"
 
 namespace encage::tool {
 

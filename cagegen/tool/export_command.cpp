@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "cagegen/cli/output_file.h"
 #include "cagegen/tool/command.h"
-#include "cagegen/tool/output_file.h"
 
 namespace encage::tool {
 

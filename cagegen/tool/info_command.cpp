@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "cagegen/tool/cage_json.h"
+#include "cagegen/cli/cage_json.h"
 #include "cagegen/tool/command.h"
 
 namespace encage::tool {

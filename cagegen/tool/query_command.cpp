@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/tool/command.h"
-#include "src/atomic_file.h"
+#include "src/files/atomic_file.h"
 
 #include <encage/asset.h>
-#include <encage/broadphase.h>
 #include <encage/poses.h>
+#include <encage/separated.h>
 
 #include <algorithm>
 #include <array>

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "cagegen/cli/is_asset.h"
+#include "cagegen/cli/output_file.h"
 #include "cagegen/render/arguments.h"
 #include "cagegen/render/levels.h"
 #include "cagegen/render/render.h"
 #include "cagegen/tool/command.h"
-#include "cagegen/tool/is_asset.h"
-#include "cagegen/tool/output_file.h"
 
 namespace encage::tool {
 

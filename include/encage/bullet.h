@@ -14,9 +14,9 @@
 //   adapter.attach(mesh, encage::load_shape("octopus.glb"));
 //   world.stepSimulation(1 / 60.f);                          // and all the rest, as ever
 
-#include <encage/broadphase.h>
 #include <encage/error.h>
 #include <encage/export.h>
+#include <encage/separated.h>
 
 #include <cstdint>
 #include <memory>

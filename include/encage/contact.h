@@ -4,9 +4,9 @@
 // Continuous narrow phase: when do linearly moving triangles first touch?
 // Conservative: a contact is reported wherever its absence is not proven.
 
-#include <encage/broadphase.h>
 #include <encage/export.h>
 #include <encage/fine_lease.h>
+#include <encage/separated.h>
 
 #include <array>
 #include <cstdint>

@@ -3,8 +3,8 @@
 
 // Run time: how far apart are two bodies? Certified bounds, from cages or from the fine meshes.
 
-#include <encage/broadphase.h>
 #include <encage/export.h>
+#include <encage/separated.h>
 
 #include <Eigen/Core>
 #include <cstdint>

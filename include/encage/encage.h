@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Run-time side of Encage. The offline side is <encage/bake.h>.
+// All of the run time. The offline side is <encage/bake.h>, adapters are <encage/bullet.h> and <encage/fcl.h>.
 
 #include <encage/asset.h>
-#include <encage/broadphase.h>
 #include <encage/cage.h>
+#include <encage/contact.h>
+#include <encage/distance.h>
 #include <encage/error.h>
 #include <encage/executor.h>
+#include <encage/fine_lease.h>
 #include <encage/mesh.h>
+#include <encage/poses.h>
+#include <encage/separated.h>
+#include <encage/shape.h>
 #include <encage/shape_cache.h>
 #include <encage/version.h>
 #include <encage/world.h>

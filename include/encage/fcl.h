@@ -15,10 +15,10 @@
 //   encage::FclDistance distance(shapes, fcl::DefaultDistanceFunction<double>, &nearest);
 //   manager.distance(&distance, encage::FclDistance::callback);
 
-#include <encage/broadphase.h>
 #include <encage/distance.h>
 #include <encage/error.h>
 #include <encage/export.h>
+#include <encage/separated.h>
 
 #include <fcl/broadphase/broadphase_collision_manager.h>
 #include <fcl/narrowphase/collision_object.h>

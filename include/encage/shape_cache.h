@@ -4,9 +4,9 @@
 // Run time: more assets than memory has room for.
 
 #include <encage/asset.h>
-#include <encage/broadphase.h>
 #include <encage/export.h>
 #include <encage/fine_lease.h>
+#include <encage/separated.h>
 
 #include <cstdint>
 #include <filesystem>

@@ -3,10 +3,10 @@
 
 // Many bodies: which pairs have to be looked at in a step?
 
-#include <encage/broadphase.h>
 #include <encage/error.h>
 #include <encage/executor.h>
 #include <encage/export.h>
+#include <encage/separated.h>
 
 #include <array>
 #include <concepts>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "src/hash.h"
-#include "tests/broadphase/twin_bodies.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
+#include "oracles/twin_bodies.h"
+#include "src/files/hash.h"
 
 #include <encage/contact.h>
 #include <encage/world.h>

@@ -10,7 +10,7 @@ namespace encage::bullet {
 namespace {
 
 using Vector = Eigen::Vector3f;
-using Lanes = Eigen::Array<float, WideNode::width, 1>;
+using Lanes = Eigen::Array<float, MeshNode::width, 1>;
 
 struct Box {
   Vector centre, half;
@@ -43,13 +43,13 @@ class Side {
     }
   };
 
-  const WideNode& node(std::int32_t index) const { return fine_.tree.nodes[static_cast<std::size_t>(index)]; }
+  const MeshNode& node(std::int32_t index) const { return fine_.tree.nodes[static_cast<std::size_t>(index)]; }
 
-  NodeBoxes boxes(const WideNode& node) const {
+  NodeBoxes boxes(const MeshNode& node) const {
     NodeBoxes result;
     for (int k = 0; k < 3; ++k) {
       Lanes low, high;
-      for (int lane = 0; lane < WideNode::width; ++lane) {
+      for (int lane = 0; lane < MeshNode::width; ++lane) {
         low[lane] = fine_.tree.lower(node, k, lane);
         high[lane] = fine_.tree.upper(node, k, lane);
       }
@@ -91,12 +91,12 @@ class Side {
 };
 
 /// Whether the boxes of these lanes may overlap `other`, which lies in the other frame.
-Eigen::Array<bool, WideNode::width, 1> overlap(const Side::NodeBoxes& boxes, const Frame& frame, const Box& other,
+Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, const Frame& frame, const Box& other,
                                                float slack) {
   const Vector centre = frame.rotation * other.centre + frame.offset;
   const Vector reach = (frame.magnitude * other.half).array() + slack;
   std::array<Lanes, 3> apart;
-  Eigen::Array<bool, WideNode::width, 1> result;
+  Eigen::Array<bool, MeshNode::width, 1> result;
   result.setConstant(true);
   for (std::size_t k = 0; k < 3; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
@@ -121,7 +121,7 @@ bool overlap(const Box& box, const Frame& frame, const Box& other, float slack) 
          (((frame.rotation.transpose() * apart).cwiseAbs() - across).array() <= slack).all();
 }
 
-/// A box of either tree: a node, if count is WideNode::inner, or triangles of a leaf.
+/// A box of either tree: a node, if count is MeshNode::inner, or triangles of a leaf.
 struct Place {
   std::int32_t index;
   int count;
@@ -134,10 +134,10 @@ class Traversal {
       : a_(a), b_(b), b_to_a_(b_to_a), a_to_b_(b_to_a.inverse()), slack_(slack) {}
 
   bool finds_overlap() {
-    push({0, WideNode::inner, a_.root()}, {0, WideNode::inner, b_.root()});
+    push({0, MeshNode::inner, a_.root()}, {0, MeshNode::inner, b_.root()});
     while (size_ > 0) {
       const Entry entry = stack_[--size_];
-      const bool leaf_a = entry.a.count != WideNode::inner, leaf_b = entry.b.count != WideNode::inner;
+      const bool leaf_a = entry.a.count != MeshNode::inner, leaf_b = entry.b.count != MeshNode::inner;
       if (leaf_a && leaf_b) {
         if (leaves_overlap(entry.a, entry.b)) return true;
       } else if (leaf_b || (!leaf_a && entry.a.box.half.sum() >= entry.b.box.half.sum())) {
@@ -158,10 +158,10 @@ class Traversal {
 
   template <class Push>
   void expand(const Side& side, const Frame& frame, const Place& place, const Place& other, Push&& push) const {
-    const WideNode& node = side.node(place.index);
+    const MeshNode& node = side.node(place.index);
     const Side::NodeBoxes boxes = side.boxes(node);
     const auto near = overlap(boxes, frame, other.box, slack_);
-    for (int lane = 0; lane < WideNode::width && node.count(lane) != WideNode::unused; ++lane) {
+    for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
       if (near[lane]) push({node.child(lane), node.count(lane), boxes.box(lane)});
     }
   }
@@ -180,7 +180,7 @@ class Traversal {
   Side a_, b_;
   Frame b_to_a_, a_to_b_;
   float slack_;
-  std::array<Entry, WideNode::width * 2 * (WideTree::max_depth + 2)> stack_;
+  std::array<Entry, MeshNode::width * 2 * (MeshTree::max_depth + 2)> stack_;
   std::size_t size_ = 0;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "broadphase/shape.h"
+#include "broadphase/shape/shape.h"
 
 #include <Eigen/Geometry>
 

@@ -4,7 +4,7 @@
 #include <encage/fine_lease.h>
 
 #include "broadphase/adapters/bullet/convert.h"
-#include "broadphase/shape.h"
+#include "broadphase/shape/shape.h"
 
 #include <encage/error.h>
 

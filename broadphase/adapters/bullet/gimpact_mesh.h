@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <encage/broadphase.h>
+#include <encage/shape.h>
 
 class btGImpactMeshShape;
 class btStridingMeshInterface;

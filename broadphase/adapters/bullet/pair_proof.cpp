@@ -3,7 +3,7 @@
 
 #include "broadphase/adapters/bullet/box_overlap.h"
 #include "broadphase/adapters/bullet/convert.h"
-#include "broadphase/shape.h"
+#include "broadphase/shape/shape.h"
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 

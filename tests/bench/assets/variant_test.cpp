@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "bench/assets/base_mesh.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::assets {
 namespace {

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "bench/covers/report.h"
+#include "oracles/sample_shapes.h"
 #include "tests/bench/covers/crowd.h"
-#include "tests/broadphase/sample_shapes.h"
 
 namespace encage::covers {
 namespace {

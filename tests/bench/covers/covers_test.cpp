@@ -9,9 +9,9 @@
 #include "bench/covers/ball_cover.h"
 #include "bench/covers/box_cover.h"
 #include "bench/covers/pair_lists.h"
-#include "src/slab.h"
+#include "oracles/sample_shapes.h"
+#include "src/tree/slab.h"
 #include "tests/bench/covers/crowd.h"
-#include "tests/broadphase/sample_shapes.h"
 
 namespace encage::covers {
 namespace {
@@ -60,7 +60,7 @@ bool holds(const BallCover& cover, std::int32_t index, const Triangle& triangle)
   return false;
 }
 
-bool lane_holds(const WideTree& tree, const WideNode& node, int lane, const Triangle& triangle) {
+bool lane_holds(const MeshTree& tree, const MeshNode& node, int lane, const Triangle& triangle) {
   return std::all_of(triangle.begin(), triangle.end(), [&](const Eigen::Vector3d& corner) {
     Eigen::Vector3d place;
     for (int axis = 0; axis < 3; ++axis) {
@@ -68,14 +68,14 @@ bool lane_holds(const WideTree& tree, const WideNode& node, int lane, const Tria
       if (place[axis] < node.lower[axis][lane] - 1e-3 || place[axis] > node.upper[axis][lane] + 1e-3) return false;
     }
     const double height = Slab::height({node.normal[0][lane], node.normal[1][lane], node.normal[2][lane]}, place);
-    return WideNode::slab_unit * node.slab_lower[lane] <= height &&
-           height <= WideNode::slab_unit * node.slab_upper[lane];
+    return MeshNode::slab_unit * node.slab_lower[lane] <= height &&
+           height <= MeshNode::slab_unit * node.slab_upper[lane];
   });
 }
 
 bool holds(const BoxCover& cover, std::int32_t index, const Triangle& triangle) {
-  const WideNode& node = cover.tree().nodes[index];
-  for (int lane = 0; lane < WideNode::width && node.count(lane) != WideNode::unused; ++lane) {
+  const MeshNode& node = cover.tree().nodes[index];
+  for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
     if (!lane_holds(cover.tree(), node, lane, triangle)) continue;
     if (node.count(lane) > 0 || holds(cover, node.child(lane), triangle)) return true;
   }
@@ -109,7 +109,7 @@ TEST(Covers, AreAsLargeAsAsked) {
     EXPECT_EQ(last_balls(balls).size(), static_cast<std::size_t>(size));
     const BoxCover boxes(shape->fine, size);
     EXPECT_GE(boxes.boxes(), size);
-    EXPECT_LT(boxes.boxes(), size + WideNode::width);
+    EXPECT_LT(boxes.boxes(), size + MeshNode::width);
   }
 }
 

@@ -11,8 +11,8 @@
 
 #include "bench/replay/engine.h"
 #include "bench/replay/mesh_shape.h"
-#include "tests/broadphase/exact_pair.h"
-#include "tests/broadphase/sample_shapes.h"
+#include "oracles/exact_pair.h"
+#include "oracles/sample_shapes.h"
 
 namespace encage::replay::test {
 

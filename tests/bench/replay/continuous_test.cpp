@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "oracles/meshes.h"
 #include "tests/bench/replay/bodies.h"
-#include "tests/shapes.h"
 
 namespace encage::replay {
 namespace {

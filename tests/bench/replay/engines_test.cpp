@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "oracles/meshes.h"
 #include "tests/bench/replay/bodies.h"
-#include "tests/shapes.h"
 
 namespace encage::replay {
 namespace {

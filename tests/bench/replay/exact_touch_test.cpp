@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "oracles/meshes.h"
 #include "tests/bench/replay/bodies.h"
-#include "tests/shapes.h"
 
 namespace encage::replay {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "bench/tank/octopus.h"
-#include "src/portable_trig.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
+#include "src/mesh/portable_trig.h"
 
 namespace encage::tank {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::tank {
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "bench/tank/interpenetration.h"
+#include "oracles/meshes.h"
 #include "tests/bench/tank/ball_detector.h"
-#include "tests/shapes.h"
 
 namespace encage::tank {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "bench/tank/strategy.h"
+#include "oracles/sample_shapes.h"
 #include "tests/bench/tank/swept_meshes.h"
-#include "tests/broadphase/sample_shapes.h"
 
 namespace encage::tank::test {
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/tank/scene.h"
+#include "oracles/meshes.h"
 #include "tests/bench/tank/ball_detector.h"
-#include "tests/shapes.h"
 
 namespace encage::tank {
 namespace {

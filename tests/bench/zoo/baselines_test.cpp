@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/zoo/plain_methods.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::zoo {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "cagegen/certify/certify.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::zoo {
 namespace {

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "oracles/meshes.h"
 #include "tests/cagegen/tool/meshes.h"
 #include "tests/cagegen/tool/run.h"
-#include "tests/shapes.h"
 
 namespace encage::zoo {
 namespace {

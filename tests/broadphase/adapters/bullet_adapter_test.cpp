@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/broadphase/adapters/bullet_world.h"
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bench/bullet/contact_points.h"
-#include "tests/broadphase/body.h"
+#include "oracles/body.h"
+#include "oracles/bullet_contact_points.h"
 
 #include <encage/bullet.h>
 

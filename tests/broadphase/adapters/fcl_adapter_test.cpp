@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/broadphase/body.h"
-#include "tests/broadphase/count_allocations.h"
-#include "tests/broadphase/sampled.h"
-#include "tests/shapes.h"
+#include "oracles/body.h"
+#include "oracles/count_allocations.h"
+#include "oracles/meshes.h"
+#include "oracles/sampled.h"
 
 #include <encage/fcl.h>
 

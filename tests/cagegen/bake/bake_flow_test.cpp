@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
+#include "oracles/meshes.h"
 #include "tests/cagegen/bake/certified.h"
-#include "tests/shapes.h"
 
 namespace encage {
 namespace {

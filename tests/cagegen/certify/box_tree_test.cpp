@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::proof {
 namespace {

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "cagegen/certify/exact.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

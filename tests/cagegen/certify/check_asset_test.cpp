@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::proof {
 namespace {

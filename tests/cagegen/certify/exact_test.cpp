@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::proof {
 namespace {

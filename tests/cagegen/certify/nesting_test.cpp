@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage::proof {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cagegen/collapse/starts.h"
-#include "src/rounding.h"
+#include "src/mesh/rounding.h"
 #include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "cagegen/energy/vertex_areas.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cagegen/geometry/separation.h"
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 // Triangles and boxes, random and awkward, for the tests of the makers.
 namespace encage::makers::shapes {

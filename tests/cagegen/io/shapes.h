@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/shapes.h"
+#include "oracles/meshes.h"
 
 // Meshes and files that the tests of this folder make.
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/portable_trig.h"
+#include "src/mesh/portable_trig.h"
 
 namespace encage::render {
 namespace {

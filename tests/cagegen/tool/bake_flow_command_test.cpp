@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "oracles/meshes.h"
 #include "tests/cagegen/tool/command_fixture.h"
-#include "tests/shapes.h"
 
 namespace encage::test {
 namespace {

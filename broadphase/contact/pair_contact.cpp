@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/contact/feature_pair.h"
+#include "broadphase/motion/frame.h"
+#include "broadphase/separation/plane_check.h"
+#include "broadphase/separation/surface_pair.h"
+#include "broadphase/shape/compound.h"
+
+#include <encage/contact.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+AffineMap affine(const Eigen::Affine3d& map) { return {map.linear(), map.translation()}; }
+Eigen::Affine3d affine(const AffineMap& map) {
+  Eigen::Affine3d result = Eigen::Affine3d::Identity();
+  result.linear() = map.linear;
+  result.translation() = map.offset;
+  return result;
+}
+
+Vector at(const MovingPoints& points, std::size_t i, double t) { return (1 - t) * points.start[i] + t * points.end[i]; }
+
+auto rank(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
+
+/// Barycentric coordinates of the point of the triangle closest to p, up to rounding.
+Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner) {
+  const Vector n = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  Vector w;
+  for (int k = 0; k < 3; ++k) {
+    const Vector &a = corner[(k + 1) % 3], &b = corner[(k + 2) % 3];
+    w[k] = (b - a).cross(p - a).dot(n);
+  }
+  if (w.minCoeff() >= 0 && w.sum() > 0) return w / w.sum();
+  // Outside, or no triangle: the closest point of the edges.
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const int k1 = (k + 1) % 3;
+    const Vector along = corner[k1] - corner[k];
+    const double length = along.squaredNorm();
+    const double t = length > 0 ? std::clamp(along.dot(p - corner[k]) / length, 0.0, 1.0) : 0;
+    const double distance = (corner[k] + t * along - p).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    w.setZero();
+    w[k] = 1 - t;
+    w[k1] = t;
+  }
+  return w;
+}
+
+/// Parameters along p0 p1 and q0 q1 of the closest points of the two edges, up to rounding.
+std::pair<double, double> parameters_on_edges(const Vector& p0, const Vector& p1, const Vector& q0, const Vector& q1) {
+  const Vector u = p1 - p0, v = q1 - q0, w = p0 - q0;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
+  const auto ratio = [](double numerator, double denominator) {
+    return denominator > 0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0.0;
+  };
+  double s = ratio(uv * vw - vv * uw, uu * vv - uv * uv);
+  const double t = ratio(uv * s + vw, vv);
+  s = ratio(uv * t - uw, uu);
+  return {s, t};
+}
+
+/// Where and in which direction two features meet, in the common frame.
+struct Meeting {
+  Vector on_a, on_b;  ///< at the time of contact
+  Vector path;        ///< of a's point relative to b's during the step
+  Vector normal;      ///< of the features, any length and sign
+};
+
+/// The vertex points[0] against the face of the others; `vertex_is_a`: it belongs to a.
+Meeting meet_vertex_face(const MovingPoints& points, double t, bool vertex_is_a) {
+  const Vector p = at(points, 0, t), a = at(points, 1, t), b = at(points, 2, t), c = at(points, 3, t);
+  const Vector w = weights_in_triangle(p, {a, b, c});
+  const auto moved = [&](std::size_t i) -> Vector { return points.end[i] - points.start[i]; };
+  const Vector on_face = w[0] * a + w[1] * b + w[2] * c;
+  const Vector path = moved(0) - (w[0] * moved(1) + w[1] * moved(2) + w[2] * moved(3));
+  const Vector normal = (b - a).cross(c - a);
+  return vertex_is_a ? Meeting{p, on_face, path, normal} : Meeting{on_face, p, -path, normal};
+}
+
+/// The edge points[0] points[1] of a against points[2] points[3] of b.
+Meeting meet_edges(const MovingPoints& points, double t) {
+  const Vector p0 = at(points, 0, t), p1 = at(points, 1, t), q0 = at(points, 2, t), q1 = at(points, 3, t);
+  const auto [s, r] = parameters_on_edges(p0, p1, q0, q1);
+  const auto moved = [&](std::size_t i) -> Vector { return points.end[i] - points.start[i]; };
+  return {p0 + s * (p1 - p0), q0 + r * (q1 - q0),
+          (1 - s) * moved(0) + s * moved(1) - ((1 - r) * moved(2) + r * moved(3)), (p1 - p0).cross(q1 - q0)};
+}
+
+/// Unit normal from b towards a.
+Vector orient(const Meeting& meeting, double margin) {
+  const Vector apart = meeting.on_a - meeting.on_b;
+  // Across a margin the closest points show the direction; in contact their difference is rounding.
+  if (margin > 0 && apart.norm() > 0.5 * margin) return apart.normalized();
+  Vector n = meeting.normal;
+  if (!(n.squaredNorm() > 1e-280)) n = meeting.path;
+  if (!(n.squaredNorm() > 1e-280)) n = apart;
+  if (!(n.squaredNorm() > 1e-280)) return Vector::UnitZ();
+  n.normalize();
+  // a comes from the side that it moves away from. (The side on which it still is says less: features may pass beside
+  // each other.)
+  const double along = n.dot(meeting.path);
+  return along > 0 || (along == 0 && n.dot(apart) < 0) ? Vector(-n) : n;
+}
+
+}  // namespace
+
+bool PairContact::Side::turn_to(std::int32_t triangle) {
+  if (part != nullptr && triangle >= first_triangle && triangle - first_triangle < triangle_count) return false;
+  const MovingPart moving = whole.parts.empty() ? MovingPart{&whole, whole_motion}
+                                                : moving_part(whole, part_of_triangle(whole, triangle), whole_motion);
+  lease = FineLease(*moving.shape);
+  part = moving.shape;
+  motion = moving.motion;
+  slack = moving.slack;
+  first_triangle = moving.first_triangle;
+  first_vertex = moving.first_vertex;
+  triangle_count = static_cast<std::int32_t>(part->fine.mesh.triangles.size());
+  assert(!part->fine.empty());
+  return true;
+}
+
+PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                         const ContactOptions& options)
+    : a_(a, motion_a), b_(b, motion_b), options_(options) {
+  assert(is_usable(motion_a) && is_usable(motion_b));
+  if (a.parts.empty()) a_.turn_to(0);
+  if (b.parts.empty()) b_.turn_to(0);
+}
+
+void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
+  const bool turned_a = a_.turn_to(triangle_a), turned_b = b_.turn_to(triangle_b);
+  if (turned_a || turned_b || !placed_) {
+    placed_ = true;
+    const PairMotion pair = pair_motion(*a_.part, a_.motion, *b_.part, b_.motion);
+    for (std::size_t end = 0; end < 2; ++end) {
+      a_.ends[end] = affine(pair.a[end]);
+      b_.ends[end] = affine(pair.b[end]);
+    }
+    required_ = required_distance(*a_.part, a_.motion, *b_.part, b_.motion, options_.margin + a_.slack + b_.slack);
+  }
+  const auto moving = [](const Side& side, std::int32_t triangle) {
+    const auto& t = side.part->fine.mesh.triangles[triangle];
+    const LeafTriangle leaf = {
+        {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])}, triangle};
+    std::array<std::int32_t, 3> numbers = leaf.vertices;
+    for (std::int32_t& v : numbers) v += side.first_vertex;
+    return std::pair(numbers, moving_triangle({side.part->fine, side.motion.scale},
+                                              {affine(side.ends[0]), affine(side.ends[1])}, leaf));
+  };
+  triangle_a -= a_.first_triangle;
+  triangle_b -= b_.first_triangle;
+  const auto [va, ta] = moving(a_, triangle_a);
+  const auto [vb, tb] = moving(b_, triangle_b);
+  const unsigned owned_a = a_.part->fine.owned[triangle_a], owned_b = b_.part->fine.owned[triangle_b];
+  const auto sorted = [](std::int32_t x, std::array<std::int32_t, 3> rest) {
+    std::sort(rest.begin(), rest.end());
+    return std::array<std::int32_t, 4>{x, rest[0], rest[1], rest[2]};
+  };
+  for (unsigned i = 0; i < 3; ++i) {
+    if ((owned_a >> i & 1U) != 0) {
+      consider(ContactKind::vertex_face,
+               {{ta.start[i], tb.start[0], tb.start[1], tb.start[2]}, {ta.end[i], tb.end[0], tb.end[1], tb.end[2]}},
+               sorted(va[i], vb));
+    }
+    if ((owned_b >> i & 1U) != 0) {
+      auto ids = sorted(vb[i], va);
+      std::rotate(ids.begin(), ids.begin() + 1, ids.end());
+      consider(ContactKind::face_vertex,
+               {{tb.start[i], ta.start[0], ta.start[1], ta.start[2]}, {tb.end[i], ta.end[0], ta.end[1], ta.end[2]}},
+               ids);
+    }
+  }
+  for (unsigned i = 0; i < 3; ++i) {
+    if ((owned_a >> (3 + i) & 1U) == 0) continue;
+    const unsigned i1 = (i + 1) % 3;
+    for (unsigned j = 0; j < 3; ++j) {
+      if ((owned_b >> (3 + j) & 1U) == 0) continue;
+      const unsigned j1 = (j + 1) % 3;
+      consider(ContactKind::edge_edge,
+               {{ta.start[i], ta.start[i1], tb.start[j], tb.start[j1]}, {ta.end[i], ta.end[i1], tb.end[j], tb.end[j1]}},
+               {std::min(va[i], va[i1]), std::max(va[i], va[i1]), std::min(vb[j], vb[j1]), std::max(vb[j], vb[j1])});
+    }
+  }
+}
+
+void PairContact::consider(ContactKind kind, const MovingPoints& points,
+                           const std::array<std::int32_t, 4>& vertices) noexcept {
+  ++feature_tests_;
+  const Requirement required = {required_, options_.arc, latest()};
+  const auto time =
+      kind == ContactKind::edge_edge ? first_edge_edge(points, required) : first_vertex_face(points, required);
+  if (!time) return;
+  Contact contact;
+  contact.time = *time;
+  contact.kind = kind;
+  contact.vertices = vertices;
+  if (first_ && rank(*first_) <= rank(contact)) return;
+  const Meeting meeting = kind == ContactKind::edge_edge
+                              ? meet_edges(points, *time)
+                              : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
+  // The common frame: a's start orientation, its origin moving with a's.
+  const Motion& motion = a_.motion;
+  const auto origin = [&](const Eigen::Isometry3d& pose) { return Placement(pose, motion.scale).origin(*a_.part); };
+  contact.point = motion.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
+                  ((1 - *time) * origin(motion.start) + *time * origin(motion.end));
+  contact.normal = (motion.start.linear() * orient(meeting, options_.margin)).normalized();
+  first_ = contact;
+}
+
+namespace {
+
+/// Hands the pairs of triangles near each other of two parts to the narrow phase.
+void contact_of_parts(const MovingPart& a, const MovingPart& b, const ContactOptions& options, PairContact& narrow) {
+  const FineLease lease_a(*a.shape), lease_b(*b.shape);
+  const PairMotion motion = pair_motion(*a.shape, a.motion, *b.shape, b.motion);
+  // What the narrow phase calls a contact must pass the culling, whatever finds the pair: rounding included twice.
+  const double margin = options.margin + a.slack + b.slack;
+  const double required = 2 * (required_distance(*a.shape, a.motion, *b.shape, b.motion, margin) + options.arc);
+  const ScaledSurface fine_a(a.shape->fine, a.motion.scale), fine_b(b.shape->fine, b.motion.scale);
+  struct Numbered {
+    PairContact& narrow;
+    std::int32_t first_a, first_b;
+  } numbered{narrow, a.first_triangle, b.first_triangle};
+  visit_intervals(fine_a, fine_b, motion, required, [&](double t0, double t1) {
+    if (t0 > narrow.latest()) return false;
+    return visit_near_triangles(
+        fine_a, fine_b, motion.part(t0, t1), required, Effort::quick,
+        [](void* context, std::int32_t triangle_a, std::int32_t triangle_b) {
+          const auto& [contact, first_a, first_b] = *static_cast<const Numbered*>(context);
+          contact.test(first_a + triangle_a, first_b + triangle_b);
+          return true;
+        },
+        &numbered);
+  });
+}
+
+void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const ContactOptions& options,
+                        std::optional<Contact>& first) {
+  const double margin = options.margin + a.slack;
+  if (a.shape->on_demand && PlaneCheck(*a.shape, a.motion, plane, margin, options.arc).beyond_throughout()) return;
+  const FineLease lease(*a.shape);
+  const PlaneCheck check(*a.shape, a.shape->fine, a.motion, plane, margin, options.arc);
+  if (check.beyond_throughout()) return;
+  check.visit_reaching([&](std::int32_t vertex, double time) {
+    if (time > (first ? first->time : options.latest)) return;
+    Contact contact;
+    contact.time = time;
+    contact.kind = ContactKind::vertex_plane;
+    contact.vertices = {a.first_vertex + vertex, -1, -1, -1};
+    if (first && rank(*first) <= rank(contact)) return;
+    const Vector x = a.motion.scale * (a.shape->origin + a.shape->fine.vertex(vertex));
+    contact.point = (1 - time) * (a.motion.start * x) + time * (a.motion.end * x);
+    contact.normal = plane.normal;
+    first = contact;
+  });
+}
+
+}  // namespace
+
+std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                                     const ContactOptions& options) {
+  PairContact narrow(a, motion_a, b, motion_b, options);
+  // Parts that boxes tell apart by this much are beyond what the narrow phase calls a contact: required_distance() is
+  // below it, whatever the poses.
+  const double size = size_in_world(a, motion_a) + size_in_world(b, motion_b);
+  const double margin = 2 * ((1 + 1e-6) * options.margin + options.arc) + 1e-6 * size;
+  for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    contact_of_parts(part_a, part_b, options, narrow);
+    return true;
+  });
+  return narrow.first();
+}
+
+std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
+                                     const ContactOptions& options) {
+  assert(is_usable(motion_a));
+  std::optional<Contact> first;
+  for_each_part(a, motion_a, [&](const MovingPart& part) {
+    contact_with_plane(part, plane, options, first);
+    return true;
+  });
+  return first;
+}
+
+}  // namespace encage

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "broadphase/distance/box_distance.cpp"
+#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+
+#include "broadphase/distance/box_distance.h"
+
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace encage::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<double, MeshNode::width>;
+using Ints = hn::Rebind<std::int32_t, Lanes>;
+using Vec = hn::Vec<Lanes>;
+
+/// A box of a tree and the slab in it, in places of its grid.
+struct Box {
+  std::array<double, 3> centre, half;
+  std::array<double, 3> normal = {};
+  double height = 0, thickness = 0;  ///< of the slab's middle, half of it
+
+  Box(const MeshNode& node, std::uint32_t lane) {
+    for (int i = 0; i < 3; ++i) {
+      set_extent(i, node.lower[i][lane], node.upper[i][lane]);
+      normal[i] = node.normal[i][lane];
+    }
+    const double low = node.slab_lower[lane], high = node.slab_upper[lane];
+    height = 0.5 * MeshNode::slab_unit * (low + high);
+    thickness = 0.5 * MeshNode::slab_unit * (high - low);
+  }
+
+  /// Around all boxes of a node; without a slab.
+  explicit Box(const MeshNode& node) {
+    for (int i = 0; i < 3; ++i) {
+      std::int16_t lower = node.lower[i][0], upper = node.upper[i][0];
+      for (int lane = 1; lane < MeshNode::width; ++lane) {  // what is unused is empty
+        lower = std::min(lower, node.lower[i][lane]);
+        upper = std::max(upper, node.upper[i][lane]);
+      }
+      set_extent(i, lower, upper);
+    }
+  }
+
+ private:
+  void set_extent(int i, double lower, double upper) {
+    centre[i] = 0.5 * (lower + upper);
+    half[i] = 0.5 * (upper - lower);
+  }
+};
+
+using Vec3 = std::array<double, 3>;
+
+HWY_INLINE double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Of a slab's normal, the inverse of its squared length, or nearly: what it is used for works with any number.
+constexpr double normal_weight = 1.0 / (MeshNode::normal_size * MeshNode::normal_size);
+
+/// An axis in the opened body's frame, and what a box of the other one covers of it.
+struct Axis {
+  Vec3 direction;
+  double low, high;
+  double scale;  ///< 1 / length, or 0
+};
+
+/// What a box of the other tree covers of axes.
+struct Covered {
+  std::array<double, BoxDistance::Side::axes> low, high;
+  Axis slab;    ///< along the normal of its slab
+  Axis middle;  ///< towards `target`, in places of the opened tree
+
+  Covered(const BoxDistance::Side& side, const Box& box, const Vec3& target) {
+    for (int k = 0; k < BoxDistance::Side::axes; ++k) {
+      double centre = side.other_offset[k], reach = 0;
+      for (int i = 0; i < 3; ++i) {
+        centre += side.other[i][k] * box.centre[i];
+        reach += side.other_size[i][k] * box.half[i];
+      }
+      low[k] = centre - reach;
+      high[k] = centre + reach;
+    }
+    for (int i = 0; i < 3; ++i) {
+      slab.direction[i] =
+          side.turned[0][i] * box.normal[0] + side.turned[1][i] * box.normal[1] + side.turned[2][i] * box.normal[2];
+      middle.direction[i] = target[i] - 0.5 * (low[i] + high[i]);
+    }
+    cover(slab, dot(slab.direction, side.offset) + side.ratio * box.height, side.ratio * box.thickness);
+    // As the other body sees it: a part along its slab's normal, and the remainder, along which the box counts.
+    const Vec3 seen = {dot(side.turned[0], middle.direction), dot(side.turned[1], middle.direction),
+                       dot(side.turned[2], middle.direction)};
+    const double part = dot(box.normal, seen) * normal_weight;
+    double centre = part * box.height, reach = std::abs(part) * box.thickness;
+    for (int i = 0; i < 3; ++i) {
+      const double rest = seen[i] - part * box.normal[i];
+      centre += rest * box.centre[i];
+      reach += std::abs(rest) * box.half[i];
+    }
+    cover(middle, dot(middle.direction, side.offset) + side.ratio * centre, side.ratio * reach);
+  }
+
+ private:
+  static void cover(Axis& axis, double centre, double reach) {
+    axis.low = centre - reach;
+    axis.high = centre + reach;
+    const double squared = dot(axis.direction, axis.direction);
+    axis.scale = squared > 0 ? 1 / std::sqrt(squared) : 0;
+  }
+};
+
+template <class Int>
+HWY_INLINE Vec widened(const Int* places) {
+  const Lanes d;
+  return hn::PromoteTo(d, hn::PromoteTo(Ints(), hn::LoadU(hn::Rebind<Int, Lanes>(), places)));
+}
+
+HWY_INLINE Vec dot(const Vec* a, const double* b) {
+  const Lanes d;
+  return hn::Add(hn::Add(hn::Mul(a[0], hn::Set(d, b[0])), hn::Mul(a[1], hn::Set(d, b[1]))),
+                 hn::Mul(a[2], hn::Set(d, b[2])));
+}
+
+/// Signed gap between [lower, upper] and [low, high].
+HWY_INLINE Vec gap_between(Vec lower, Vec upper, double low, double high) {
+  const Lanes d;
+  return hn::Max(hn::Sub(lower, hn::Set(d, high)), hn::Sub(hn::Set(d, low), upper));
+}
+
+/// Boxes of a node, as many as there are lanes.
+struct Boxes {
+  Vec lower[3], upper[3], sum[3], extent[3], normal[3];
+  Vec slab_lower, slab_upper;
+
+  HWY_INLINE Boxes(const MeshNode& node, std::size_t first) {
+    for (int i = 0; i < 3; ++i) {
+      lower[i] = widened(node.lower[i] + first);
+      upper[i] = widened(node.upper[i] + first);
+      sum[i] = hn::Add(lower[i], upper[i]);
+      extent[i] = hn::Sub(upper[i], lower[i]);
+      normal[i] = widened(node.normal[i] + first);
+    }
+    slab_lower = widened(node.slab_lower + first);
+    slab_upper = widened(node.slab_upper + first);
+  }
+};
+
+/// Along any axis; of a box, what its own slab leaves of it.
+HWY_INLINE Vec gap_along(const Boxes& boxes, const Axis& axis) {
+  const Lanes d;
+  const auto part = hn::Mul(dot(boxes.normal, axis.direction.data()), hn::Set(d, normal_weight));
+  const auto half = hn::Mul(part, hn::Set(d, 0.5 * MeshNode::slab_unit));
+  auto centre = hn::Mul(half, hn::Add(boxes.slab_lower, boxes.slab_upper));
+  auto reach = hn::Mul(hn::Abs(half), hn::Sub(boxes.slab_upper, boxes.slab_lower));
+  for (int i = 0; i < 3; ++i) {
+    const auto rest = hn::Mul(hn::Set(d, 0.5), hn::Sub(hn::Set(d, axis.direction[i]), hn::Mul(part, boxes.normal[i])));
+    centre = hn::Add(centre, hn::Mul(rest, boxes.sum[i]));
+    reach = hn::Add(reach, hn::Mul(hn::Abs(rest), boxes.extent[i]));
+  }
+  return hn::Mul(gap_between(hn::Sub(centre, reach), hn::Add(centre, reach), axis.low, axis.high),
+                 hn::Set(d, axis.scale));
+}
+
+/// Lower bounds of distances in places, where they are positive; elsewhere some measure of how much boxes overlap.
+HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, const Covered& box) {
+  const Lanes d;
+  auto widest = hn::Set(d, -std::numeric_limits<double>::infinity());
+  auto squared = hn::Zero(d), squared_other = squared;
+  const auto add = [&](Vec gap, Vec& sum) HWY_ATTR {
+    widest = hn::Max(widest, gap);
+    const auto positive = hn::Max(gap, hn::Zero(d));
+    sum = hn::Add(sum, hn::Mul(positive, positive));
+  };
+  for (int k = 0; k < 3; ++k) {
+    add(gap_between(boxes.lower[k], boxes.upper[k], box.low[k], box.high[k]), squared);
+    const std::array<double, 3>& axis = side.turned[k];
+    const auto centre = dot(boxes.sum, axis.data());
+    auto reach = hn::Mul(hn::Set(d, std::abs(axis[0])), boxes.extent[0]);
+    reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(axis[1])), boxes.extent[1]));
+    reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(axis[2])), boxes.extent[2]));
+    const auto half = hn::Set(d, 0.5);
+    add(gap_between(hn::Mul(half, hn::Sub(centre, reach)), hn::Mul(half, hn::Add(centre, reach)), box.low[3 + k],
+                    box.high[3 + k]),
+        squared_other);
+  }
+  widest = hn::Max(widest, hn::Max(gap_along(boxes, box.slab), gap_along(boxes, box.middle)));
+  squared = hn::Max(squared, squared_other);
+  return hn::IfThenElse(hn::Gt(squared, hn::Zero(d)), hn::Max(widest, hn::Sqrt(squared)), widest);
+}
+
+/// Depth first, near boxes before far ones, the larger box of a pair being opened.
+class Traversal {
+ public:
+  Traversal(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit)
+      : trees_{&a, &b}, sides_{&bounds.a, &bounds.b}, limit_(limit) {}
+
+  void run(VisitNearLeaves visit, void* context) {
+    // The whole of b against the boxes of a's root; b's root is opened next.
+    constexpr Ref root_a{0, 0, 0}, root_b{0, 0, std::numeric_limits<float>::infinity()};
+    open(0, {{root_a, root_b}, 0}, Covered(*sides_[0], Box(trees_[1]->nodes[0]), Box(trees_[0]->nodes[0]).centre));
+    while (size_ > 0) {
+      const Entry entry = stack_[--size_];
+      if (!(entry.bound < limit_)) continue;
+      const auto& [a, b] = entry.refs;
+      const int count_a = MeshNode::count_of(a.link), count_b = MeshNode::count_of(b.link);
+      if (count_a > 0 && count_b > 0) {
+        limit_ = visit(context, MeshNode::child_of(a.link), count_a, MeshNode::child_of(b.link), count_b);
+        continue;
+      }
+      const bool opens_b = count_a > 0 || (count_b == 0 && b.size > a.size);
+      const std::size_t opened = opens_b ? 1 : 0;
+      open(opened, entry, Covered(*sides_[opened], box(1 - opened, entry), box(opened, entry).centre));
+    }
+  }
+
+ private:
+  /// A box of a tree.
+  struct Ref {
+    std::uint32_t link, slot;  ///< slot: node * width + lane
+    float size;                ///< in the world, to compare; a slab's thickness counts more than what it is cut from
+  };
+  struct Entry {
+    std::array<Ref, 2> refs;
+    double bound;
+  };
+  static constexpr std::size_t stack_size = MeshNode::width * (2 * MeshTree::max_depth + 4);
+
+  Box box(std::size_t tree, const Entry& entry) const {
+    const std::uint32_t slot = entry.refs[tree].slot;
+    return {trees_[tree]->nodes[slot / MeshNode::width], slot % MeshNode::width};
+  }
+
+  /// Holds the boxes of a node of tree `opened` against a box of the other one.
+  void open(std::size_t opened, const Entry& entry, const Covered& box) {
+    const Lanes d;
+    const std::int32_t index = MeshNode::child_of(entry.refs[opened].link);
+    const MeshNode& node = trees_[opened]->nodes[index];
+    const BoxDistance::Side& side = *sides_[opened];
+    alignas(64) std::array<double, MeshNode::width> bound, size;
+    for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
+      const Boxes boxes(node, first);
+      const auto places = hn::Sub(distances(side, boxes, box), hn::Set(d, side.error));
+      hn::StoreU(hn::Sub(hn::Mul(places, hn::Set(d, side.unit)), hn::Set(d, side.world_error)), d,
+                 bound.data() + first);
+      const auto thickness = hn::Mul(hn::Sub(boxes.slab_upper, boxes.slab_lower), hn::Set(d, 8.0));
+      const auto extent = hn::Add(hn::Add(boxes.extent[0], boxes.extent[1]), boxes.extent[2]);
+      hn::StoreU(hn::Mul(hn::Add(extent, thickness), hn::Set(d, side.unit)), d, size.data() + first);
+    }
+    const std::size_t bottom = size_;
+    for (std::uint32_t lane = 0; lane < MeshNode::width && node.link[lane] < MeshNode::unused_link; ++lane) {
+      const double found = side.works ? bound[lane] : 0;
+      if (!(found < limit_)) continue;
+      Entry next = entry;
+      next.refs[opened] = {node.link[lane], static_cast<std::uint32_t>(index) * MeshNode::width + lane,
+                           static_cast<float>(size[lane])};
+      next.bound = found;
+      std::size_t at = size_++;
+      for (; at > bottom && stack_[at - 1].bound < found; --at) stack_[at] = stack_[at - 1];
+      stack_[at] = next;
+    }
+  }
+
+  std::array<const MeshTreeView*, 2> trees_;       // a, b
+  std::array<const BoxDistance::Side*, 2> sides_;  // by the opened tree
+  double limit_;
+  std::size_t size_ = 0;
+  std::array<Entry, stack_size> stack_;
+};
+
+void visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
+                       VisitNearLeaves visit, void* context) {
+  Traversal(a, b, bounds, limit).run(visit, context);
+}
+
+}  // namespace encage::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::Matrix3d;
+
+/// Mean factor by which a map stretches lengths, and a bound of the relative difference of squares of others.
+struct Stretch {
+  double factor, departure;
+
+  explicit Stretch(const Matrix& m) {
+    const Matrix squares = m.transpose() * m;
+    const double mean = squares.trace() / 3;
+    factor = std::sqrt(mean);
+    departure = (squares / mean - Matrix::Identity()).norm() * (1 + 1e-14) + 1e-14;
+  }
+};
+
+Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+/// How far TreeGrid::at(), in float, is off the place that it stands for; at the size of the body.
+double rounding(const GateBody& body) {
+  return 0x1p-24 * body.scale * (4 * 32768 * static_cast<double>(body.grid.step) + as_vector(body.grid.middle).norm());
+}
+
+BoxDistance::Side make_side(const AffineMap& map, const GateBody& body, const AffineMap& other_map,
+                            const GateBody& other, double error) {
+  BoxDistance::Side side{};
+  // Local coordinates are middle + step * place.
+  const double step = body.scale * static_cast<double>(body.grid.step);
+  const double other_step = other.scale * static_cast<double>(other.grid.step);
+  const Vector middle = body.scale * as_vector(body.grid.middle);
+  const Vector other_middle = other.scale * as_vector(other.grid.middle);
+  const Matrix inverse = map.linear.inverse();
+  const AffineMap relative = {inverse * other_map.linear, inverse * (other_map.offset - map.offset)};
+  const Stretch own(map.linear), both(relative.linear);
+  const Matrix turned = relative.linear / both.factor;
+  side.ratio = both.factor * other_step / step;
+  const Vector offset = (relative(other_middle) - middle) / step;
+  for (int k = 0; k < 3; ++k) {
+    const Vector axis = turned.col(k).normalized();
+    const Vector in_other = turned.transpose() * axis * side.ratio;
+    for (int i = 0; i < 3; ++i) {
+      side.turned[k][i] = axis[i];
+      side.other[i][k] = turned(k, i) * side.ratio;
+      side.other[i][3 + k] = in_other[i];
+    }
+    side.offset[k] = side.other_offset[k] = offset[k];
+    side.other_offset[3 + k] = axis.dot(offset);
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < BoxDistance::Side::axes; ++k) side.other_size[i][k] = std::abs(side.other[i][k]);
+  }
+  const double other_size = both.factor * (other.scale * other.radius + other_middle.norm());
+  const double size = body.scale * body.radius + middle.norm() + other_size + relative.offset.norm();
+  side.error =
+      (0x1p-44 * size + 4 * both.departure * other_size + rounding(body) + 2 * both.factor * rounding(other)) / step;
+  side.unit = step * own.factor * (1 - own.departure - 3 * both.departure - 0x1p-44);
+  side.world_error = error;
+  // Squares of places must stay finite and above what underflows.
+  side.works = size / step < 1e100 && side.ratio > 1e-100 && side.ratio < 1e100 && side.unit > 0 && side.unit < 1e100 &&
+               own.departure < 0.1 && both.departure < 0.1;
+  return side;
+}
+
+}  // namespace
+
+BoxDistance::BoxDistance(const AffineMap& map_a, const GateBody& body_a, const AffineMap& map_b, const GateBody& body_b,
+                         double error)
+    : a(make_side(map_a, body_a, map_b, body_b, error)), b(make_side(map_b, body_b, map_a, body_a, error)) {}
+
+HWY_EXPORT(visit_near_leaves);
+
+void visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
+                       VisitNearLeaves visit, void* context) {
+  HWY_DYNAMIC_DISPATCH(visit_near_leaves)(a, b, bounds, limit, visit, context);
+}
+
+}  // namespace encage
+#endif

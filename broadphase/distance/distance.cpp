@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <encage/distance.h>
+#include <encage/fine_lease.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "broadphase/distance/resting_pair.h"
+#include "broadphase/distance/surface_distance.h"
+#include "broadphase/separation/containment.h"
+#include "broadphase/shape/compound.h"
+
+namespace encage {
+namespace {
+
+/// Balls around the local origins hold the bodies, unknown interiors included.
+double ball_bound(const Shape& a, const Shape& b, const RestingPair& pair, double error) {
+  const double reach = (pair.scale_a * a.outer().radius + pair.scale_b * b.outer().radius) * (1 + 1e-8);
+  return std::max(0.0, pair.b.offset.norm() - reach - error);
+}
+
+/// Of two bodies whose surfaces are apart, whether one may hold a part of the other.
+class Containment {
+ public:
+  Containment(const Shape& a, const Shape& b, const RestingPair& pair) : a_(a), b_(b), pair_(pair) {}
+
+  /// In an unknown interior.
+  bool possible(bool open_a, bool open_b) const {
+    if (!open_a && !open_b) return false;
+    FineLease lease_a, lease_b;
+    if (!lease_a.take(a_) || !lease_b.take(b_)) return true;
+    const std::array<AffineMap, 2> maps_a = {pair_.a, pair_.a}, maps_b = {pair_.b, pair_.b};
+    return (open_a && could_hold(a_, pair_.scale_a, maps_a, b_, pair_.scale_b, maps_b, pair_.located())) ||
+           (open_b && could_hold(b_, pair_.scale_b, maps_b, a_, pair_.scale_a, maps_a, pair_.located()));
+  }
+
+  bool excluded(const ScaledSurface& surface_a, const ScaledSurface& surface_b) const {
+    return all_outside(surface_a, surface_b, pair_.b_to_a()) && all_outside(surface_b, surface_a, pair_.a_to_b());
+  }
+
+ private:
+  const Shape& a_;
+  const Shape& b_;
+  const RestingPair& pair_;
+};
+
+double fine_error(const Shape& a, const Shape& b, const RestingPair& pair) {
+  // A pose stretches it by less than 1e-9.
+  return (1 + 1e-8) * (pair.scale_a * a.outer_error() + pair.scale_b * b.outer_error());
+}
+
+/// Of simple shapes.
+double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const CageDistanceOptions& options) {
+  double bound = ball_bound(a, b, pair, fine_error(a, b, pair) + pair.error);
+  if (a.cages.empty() || b.cages.empty() || bound >= options.enough) return bound;
+  const Containment containment(a, b, pair);
+  if (containment.possible(unknown_in_cage(a), unknown_in_cage(b))) return bound;
+  const int count_a = level_count(a), count_b = level_count(b);
+  const int last = std::max(count_a, count_b) - 1;
+  for (int k = std::min(options.coarsest_cage, last); k >= std::clamp(options.finest_cage, 0, last); --k) {
+    const ScaledSurface cage_a(a.cages[std::min(k, count_a - 1)], pair.scale_a);
+    const ScaledSurface cage_b(b.cages[std::min(k, count_b - 1)], pair.scale_b);
+    const SurfaceDistance found =
+        surface_distance(cage_a, cage_b, pair, {.limit = options.enough, .tolerance = options.tolerance});
+    // Farther apart than a point may be off that is located.
+    if (found.lower > std::max(bound, pair.located()) && containment.excluded(cage_a, cage_b)) bound = found.lower;
+    if (bound >= options.enough) break;
+  }
+  return bound;
+}
+
+/// The vertex that stands for a part of `guest` in `host`'s solid, or -1.
+std::int32_t held_vertex(const ScaledSurface& host, const ScaledSurface& guest, const PairFrame& frame, bool& unknown) {
+  for (const MeshPart& part : guest->parts) {
+    const Side side = locate(*host, frame.map(guest.vertex(part.vertex)) / host.scale());
+    if (side == Side::inside) return part.vertex;
+    unknown = unknown || side == Side::unknown;
+  }
+  return -1;
+}
+
+std::int32_t triangle_of(const Surface& surface, std::int32_t vertex) {
+  const auto& triangles = surface.mesh.triangles;
+  const auto found = std::find_if(triangles.begin(), triangles.end(), [&](const auto& t) {
+    return std::find(t.begin(), t.end(), static_cast<std::uint32_t>(vertex)) != t.end();
+  });
+  return static_cast<std::int32_t>(found - triangles.begin());
+}
+
+/// Of bodies whose surfaces are farther apart than points may be off: is a part of one inside the other?
+void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, DistanceResult& result) {
+  const Interior in_a = interior(a), in_b = interior(b);
+  const ScaledSurface fine_a(a.fine, pair.scale_a), fine_b(b.fine, pair.scale_b);
+  bool unknown = Containment(a, b, pair).possible(in_a == Interior::unknown, in_b == Interior::unknown);
+  std::int32_t of_a = -1, of_b = -1;
+  if (in_a == Interior::enclosed) of_b = held_vertex(fine_a, fine_b, pair.b_to_a(), unknown);
+  if (in_b == Interior::enclosed && of_b < 0) of_a = held_vertex(fine_b, fine_a, pair.a_to_b(), unknown);
+  if (of_a >= 0 || of_b >= 0) {
+    const Eigen::Vector3d point = of_a >= 0 ? pair.a(fine_a.vertex(of_a)) : pair.b(fine_b.vertex(of_b));
+    result = {0, 0, point, point, -1, -1};
+    if (of_a >= 0) result.triangle_a = triangle_of(a.fine, of_a);
+    if (of_b >= 0) result.triangle_b = triangle_of(b.fine, of_b);
+  } else if (unknown) {
+    result.lower = 0;
+  }
+}
+
+/// Of simple shapes whose places are off by `moved` at most. Nothing that is not below the limit is said of points.
+DistanceResult simple_distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                               double moved, const DistanceOptions& options) {
+  const RestingPair pair(a, motion_a, b, motion_b);
+  const double slack = fine_error(a, b, pair) + moved;
+  const double balls = ball_bound(a, b, pair, slack + pair.error);
+  if (balls >= options.limit) return {.lower = balls};
+  FineLease lease_a, lease_b;
+  if (!a.has_fine() || !b.has_fine() || !lease_a.take(a) || !lease_b.take(b)) {
+    const CageDistanceOptions finest{.enough = options.limit + moved, .tolerance = options.tolerance, .finest_cage = 0};
+    return {.lower = std::max(0.0, cage_bound(a, b, pair, finest) - moved)};
+  }
+  const SurfaceDistance found = surface_distance(
+      {a.fine, pair.scale_a}, {b.fine, pair.scale_b}, pair,
+      {.limit = options.limit + slack, .tolerance = options.tolerance, .vertex_error = slack, .hint = options.hint});
+  DistanceResult result{std::max(0.0, found.lower - slack),
+                        found.crossing ? 0 : found.upper + slack,
+                        found.point_a,
+                        found.point_b,
+                        found.triangle_a,
+                        found.triangle_b};
+  if (found.lower > pair.located() + slack) {
+    look_inside(a, b, pair, result);
+  } else {
+    result.lower = 0;  // so near that nobody can say what is inside
+  }
+  result.point_a += pair.origin;
+  result.point_b += pair.origin;
+  return result;
+}
+
+Motion at_start(const Motion& motion) { return Motion::resting(motion.start, motion.scale); }
+
+}  // namespace
+
+double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                           const CageDistanceOptions& options) noexcept {
+  const Motion at_a = at_start(motion_a), at_b = at_start(motion_b);
+  if (!is_usable(at_a) || !is_usable(at_b) || !(options.enough > 0) || !(options.tolerance >= 0)) return 0;
+  double bound = options.enough;
+  for_each_part_pair(a, at_a, b, at_b, options.enough, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    const double moved = part_a.slack + part_b.slack;
+    CageDistanceOptions asked = options;
+    asked.enough = bound + moved;
+    const RestingPair pair(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion);
+    bound = std::min(bound, std::max(0.0, cage_bound(*part_a.shape, *part_b.shape, pair, asked) - moved));
+    return bound > 0;
+  });
+  return bound;
+}
+
+DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                        const DistanceOptions& options) noexcept {
+  const Motion at_a = at_start(motion_a), at_b = at_start(motion_b);
+  if (!is_usable(at_a) || !is_usable(at_b) || !(options.limit > 0) || !(options.tolerance >= 0)) return {};
+  DistanceResult nearest;
+  nearest.lower = options.limit;
+  for_each_part_pair(a, at_a, b, at_b, options.limit, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    DistanceOptions asked = options;
+    asked.limit = std::min(options.limit, nearest.upper);
+    // Out of range for all parts but one.
+    asked.hint = {options.hint.a - part_a.first_triangle, options.hint.b - part_b.first_triangle};
+    DistanceResult found =
+        simple_distance(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion, part_a.slack + part_b.slack, asked);
+    if (found.triangle_a >= 0) found.triangle_a += part_a.first_triangle;
+    if (found.triangle_b >= 0) found.triangle_b += part_b.first_triangle;
+    const double lower = std::min(nearest.lower, found.lower);
+    if (found.upper < nearest.upper) nearest = found;
+    nearest.lower = lower;
+    return nearest.upper > 0;
+  });
+  if (nearest.lower >= options.limit) return {.lower = options.limit};
+  return nearest;
+}
+
+}  // namespace encage

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/distance/surface_distance.h"
+
+#include <algorithm>
+
+#include "broadphase/distance/box_distance.h"
+#include "broadphase/distance/triangle_distance.h"
+#include "broadphase/separation/leaf_gate.h"
+
+namespace encage {
+namespace {
+
+class Search {
+ public:
+  Search(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair, const SurfaceDistanceOptions& options)
+      : a_(a), b_(b), pair_(pair), options_(options) {}
+
+  SurfaceDistance run() {
+    if (in_range(a_, options_.hint.a) && in_range(b_, options_.hint.b)) {
+      look_at(corners(a_, pair_.a, options_.hint.a), corners(b_, pair_.b, options_.hint.b), options_.hint.a,
+              options_.hint.b);
+    }
+    const BoxDistance bounds(pair_.a, {a_->radius, a_->tree.grid, a_.scale()}, pair_.b,
+                             {b_->radius, b_->tree.grid, b_.scale()}, pair_.error);
+    visit_near_leaves(
+        a_->tree, b_->tree, bounds, limit(),
+        [](void* search, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
+          return static_cast<Search*>(search)->leaves(first_a, count_a, first_b, count_b);
+        },
+        this);
+    best_.lower = limit() < 0 ? 0 : std::min(lower_, limit());
+    return best_;
+  }
+
+ private:
+  static bool in_range(const ScaledSurface& surface, std::int32_t triangle) {
+    return triangle >= 0 && static_cast<std::size_t>(triangle) < surface->mesh.triangles.size();
+  }
+
+  /// From which distance on nothing matters any more: minus infinity if bodies touch as far as rounding tells.
+  double limit() const {
+    if (best_.crossing || best_.upper <= 4 * pair_.error) return -std::numeric_limits<double>::infinity();
+    return std::min(options_.limit, best_.upper / (1 + options_.tolerance));
+  }
+
+  static TriangleD corners(const ScaledSurface& surface, const AffineMap& map, std::int32_t triangle) {
+    TriangleD t;
+    for (int k = 0; k < 3; ++k) {
+      t[k] = map(surface.vertex(static_cast<std::int32_t>(surface->mesh.triangles[triangle][k])));
+    }
+    return t;
+  }
+
+  static LeafLanes lanes(const ScaledSurface& surface, const AffineMap& map, std::int32_t first, std::int32_t count) {
+    LeafLanes result;
+    MovingTriangle triangle;
+    for (std::int32_t i = 0; i < LeafLanes::width; ++i) {
+      for (int k = 0; k < 3 && i < count; ++k) {
+        triangle.start[k] = map(surface.vertex(surface->tree.leaves[first + i].vertices[k]));
+      }
+      result.set(i, triangle, 1);
+    }
+    return result;
+  }
+
+  void look_at(const TriangleD& ta, const TriangleD& tb, std::int32_t i, std::int32_t j) {
+    const TriangleDistance found = triangle_distance(ta, tb, pair_.error);
+    lower_ = std::min(lower_, found.lower);
+    if (found.upper < best_.upper) {
+      best_.upper = found.upper;
+      best_.point_a = found.point_a;
+      best_.point_b = found.point_b;
+      best_.triangle_a = i;
+      best_.triangle_b = j;
+    }
+    if (found.lower > 0) return;
+    best_.crossing = triangles_cross(ta, tb, pair_.error + options_.vertex_error);
+  }
+
+  double leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
+    const LeafLanes lanes_a = lanes(a_, pair_.a, first_a, count_a), lanes_b = lanes(b_, pair_.b, first_b, count_b);
+    for (std::int32_t i = 0; i < count_a; ++i) {
+      std::uint32_t left = (1U << count_b) - 1;
+      double asked = std::numeric_limits<double>::infinity();
+      for (; left != 0; left &= left - 1) {
+        if (limit() < asked) {  // most pairs are told to be farther by axes that are cheap to try
+          asked = limit();
+          if (asked < 0) return asked;
+          left &= lanes_not_apart(lanes_a, i, lanes_b, count_b, 1, asked + pair_.error);
+          if (left == 0) break;
+        }
+        const int j = __builtin_ctz(left);
+        look_at(lanes_a.triangle(i, 1).start, lanes_b.triangle(j, 1).start, a_->tree.leaves[first_a + i].triangle,
+                b_->tree.leaves[first_b + j].triangle);
+      }
+    }
+    return limit();
+  }
+
+  const ScaledSurface& a_;
+  const ScaledSurface& b_;
+  const RestingPair& pair_;
+  const SurfaceDistanceOptions& options_;
+  double lower_ = std::numeric_limits<double>::infinity();  // of all pairs looked at
+  SurfaceDistance best_;
+};
+
+}  // namespace
+
+SurfaceDistance surface_distance(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
+                                 const SurfaceDistanceOptions& options) noexcept {
+  return Search(a, b, pair, options).run();
+}
+
+}  // namespace encage

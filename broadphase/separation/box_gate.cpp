@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: Apache-2.0
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "broadphase/separation/box_gate.cpp"
+#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+
+#include "broadphase/separation/box_gate.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#ifndef ENCAGE_BOX_GATE_PACKING  // once for all instruction sets
+#define ENCAGE_BOX_GATE_PACKING
+namespace encage {
+namespace {
+
+/// For every set of lanes: how many they are, and their numbers in order, then zeros.
+struct PackingTable {
+  std::array<std::uint8_t, 256> counts = {};
+  std::array<std::array<std::int32_t, 8>, 256> indices = {};
+};
+
+constexpr PackingTable packing = [] {
+  PackingTable table;
+  for (unsigned bits = 0; bits < 256; ++bits) {
+    for (std::int32_t lane = 0; lane < 8; ++lane) {
+      if ((bits >> lane & 1U) != 0) table.indices[bits][table.counts[bits]++] = lane;
+    }
+  }
+  return table;
+}();
+
+}  // namespace
+}  // namespace encage
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace encage::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, MeshNode::width>;      // boxes of a node
+using Axes = hn::CappedTag<float, BoxGate::Side::lanes>;  // axes of a gate
+using Numbers = hn::RebindToUnsigned<Lanes>;
+using Vec = hn::Vec<Lanes>;
+
+/// A box of a tree and the slab in it, in places of its grid.
+struct Box {
+  float centre[3], half[3];
+  float normal[3];
+  float height, thickness;  ///< of the slab's middle, half of it
+
+  HWY_INLINE Box(const MeshNode& node, std::uint32_t lane) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto lower = static_cast<float>(node.lower[axis][lane]), upper = static_cast<float>(node.upper[axis][lane]);
+      centre[axis] = 0.5F * (lower + upper);
+      half[axis] = 0.5F * (upper - lower);
+      normal[axis] = static_cast<float>(node.normal[axis][lane]);
+    }
+    constexpr float half_unit = 0.5F * MeshNode::slab_unit;
+    const auto low = static_cast<float>(node.slab_lower[lane]), high = static_cast<float>(node.slab_upper[lane]);
+    height = half_unit * (low + high);
+    thickness = half_unit * (high - low);
+  }
+
+  /// Around all boxes of a node; without a slab.
+  static Box around(const MeshNode& node) {
+    Box box(node, 0);
+    for (int axis = 0; axis < 3; ++axis) {
+      std::int16_t lower = node.lower[axis][0], upper = node.upper[axis][0];
+      for (int lane = 1; lane < MeshNode::width; ++lane) {  // what is unused is empty
+        lower = std::min(lower, node.lower[axis][lane]);
+        upper = std::max(upper, node.upper[axis][lane]);
+      }
+      box.centre[axis] = 0.5F * (static_cast<float>(lower) + static_cast<float>(upper));
+      box.half[axis] = 0.5F * (static_cast<float>(upper) - static_cast<float>(lower));
+      box.normal[axis] = 0;
+    }
+    box.height = box.thickness = 0;
+    return box;
+  }
+};
+
+/// What a moving box covers of the axes during the interval, widened by the gap: a resting box beyond is apart.
+struct Swept {
+  alignas(32) float low[BoxGate::Side::lanes];
+  alignas(32) float high[BoxGate::Side::lanes];
+};
+
+template <int kEnds>
+HWY_INLINE void sweep(const BoxGate::Side& side, const Box& box, Swept& swept) {
+  const Axes d;
+  for (std::size_t k = 0; k < BoxGate::Side::lanes; k += hn::Lanes(d)) {
+    auto low = hn::Zero(d), high = low;
+    for (int end = 0; end < kEnds; ++end) {
+      auto centre = hn::LoadU(d, side.moving_offset[end].data() + k);
+      auto reach = hn::LoadU(d, side.gap.data() + k);
+      for (int i = 0; i < 3; ++i) {
+        centre = hn::Add(centre, hn::Mul(hn::LoadU(d, side.moving[end][i].data() + k), hn::Set(d, box.centre[i])));
+        reach = hn::Add(reach, hn::Mul(hn::LoadU(d, side.moving_size[end][i].data() + k), hn::Set(d, box.half[i])));
+      }
+      low = end == 0 ? hn::Sub(centre, reach) : hn::Min(low, hn::Sub(centre, reach));
+      high = end == 0 ? hn::Add(centre, reach) : hn::Max(high, hn::Add(centre, reach));
+    }
+    hn::StoreU(low, d, swept.low + k);
+    hn::StoreU(high, d, swept.high + k);
+  }
+}
+
+/// The same along the normal of the moving box's slab.
+struct SweptSlab {
+  float half_normal[3];  ///< in the resting frame, halved
+  float low, high;
+};
+
+template <int kEnds>
+HWY_INLINE SweptSlab sweep_slab(const BoxGate::Side& side, const Box& box) {
+  SweptSlab swept;
+  std::array<float, 3> normal;
+  const auto& [u, v, w] = side.map[0];
+  for (int i = 0; i < 3; ++i) {
+    normal[i] = side.normal_scale * (u[i] * box.normal[0] + v[i] * box.normal[1] + w[i] * box.normal[2]);
+    swept.half_normal[i] = 0.5F * normal[i];
+  }
+  for (int end = 0; end < kEnds; ++end) {
+    float centre = box.height, reach = box.thickness + side.moving_slab_gap;
+    for (int i = 0; i < 3; ++i) {
+      centre += normal[i] * side.offset[end][i];
+      if (kEnds == 1) continue;  // both are nearly rigid
+      // Seen from the box, the normal is its slab's own but for a remainder, along which the box counts.
+      const BoxGate::Column& axis = side.map[end][i];
+      const float rest = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2] - box.normal[i];
+      centre += rest * box.centre[i];
+      reach += std::abs(rest) * box.half[i];
+    }
+    swept.low = end == 0 ? centre - reach : std::min(swept.low, centre - reach);
+    swept.high = end == 0 ? centre + reach : std::max(swept.high, centre + reach);
+  }
+  return swept;
+}
+
+/// Of a normal, the inverse of its squared length, or nearly: what it is used for works with any number.
+constexpr float normal_weight = 1.0F / (MeshNode::normal_size * MeshNode::normal_size);
+
+/// Boxes of a node, as many as there are lanes.
+struct Boxes {
+  Vec sum[3], extent[3];  ///< of both ends
+  Vec normal[3];
+  Vec slab_lower, slab_upper;
+
+  static HWY_INLINE Vec widened(const std::int16_t* places) {
+    const Lanes d;
+    return hn::ConvertTo(
+        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int16_t, Lanes>(), places)));
+  }
+  static HWY_INLINE Vec widened(const std::int8_t* components) {
+    const Lanes d;
+    return hn::ConvertTo(
+        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int8_t, Lanes>(), components)));
+  }
+};
+
+HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
+  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
+}
+
+HWY_INLINE Vec dot(const Vec* a, const float* b) {
+  const Lanes d;
+  return hn::Add(hn::Add(hn::Mul(a[0], hn::Set(d, b[0])), hn::Mul(a[1], hn::Set(d, b[1]))),
+                 hn::Mul(a[2], hn::Set(d, b[2])));
+}
+
+/// Whether intervals [centre - reach, centre + reach] lie beyond [low, high].
+HWY_INLINE hn::Mask<Lanes> beyond(Vec centre, Vec reach, Vec low, Vec high) {
+  return hn::Or(hn::Gt(hn::Sub(centre, reach), high), hn::Lt(hn::Add(centre, reach), low));
+}
+
+/// Boxes that end on one side of the moving slab, by what their own slabs leave of them.
+HWY_INLINE hn::Mask<Lanes> beyond_slab(const Boxes& boxes, const SweptSlab& slab) {
+  const Lanes d;
+  // The part of the direction that is the slab's normal, and the remainder, along which the box counts.
+  const auto part = hn::Mul(dot(boxes.normal, slab.half_normal), hn::Set(d, normal_weight));
+  const auto scaled = hn::Mul(part, hn::Set(d, static_cast<float>(MeshNode::slab_unit)));
+  auto centre = hn::Mul(scaled, hn::Add(boxes.slab_lower, boxes.slab_upper));
+  auto reach = hn::Mul(hn::Abs(scaled), hn::Sub(boxes.slab_upper, boxes.slab_lower));
+  for (int i = 0; i < 3; ++i) {
+    const auto rest = hn::Sub(hn::Set(d, slab.half_normal[i]), hn::Mul(part, boxes.normal[i]));
+    centre = hn::Add(centre, hn::Mul(rest, boxes.sum[i]));
+    reach = hn::Add(reach, hn::Mul(hn::Abs(rest), boxes.extent[i]));
+  }
+  return beyond(centre, reach, hn::Set(d, slab.low), hn::Set(d, slab.high));
+}
+
+/// How large boxes are, only to compare: a slab's thickness counts more than what it is cut from.
+HWY_INLINE Vec sizes(const Boxes& boxes) {
+  const auto extent = hn::Add(hn::Add(boxes.extent[0], boxes.extent[1]), boxes.extent[2]);
+  const auto thickness = hn::Sub(boxes.slab_upper, boxes.slab_lower);
+  return hn::Add(hn::Mul(thickness, hn::Set(Lanes(), 8.0F)), extent);
+}
+
+/// Moves the lanes of a mask to the front, in order. (g++ copies the table of Highway's Compress onto the stack for
+/// each use on AVX2.)
+class Packing {
+ public:
+  HWY_INLINE explicit Packing(hn::Mask<Numbers> mask) {
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(Numbers(), mask, bits);
+    count_ = packing.counts[bits[0]];
+    indices_ = hn::SetTableIndices(Numbers(), packing.indices[bits[0]].data());
+  }
+  HWY_INLINE hn::Vec<Numbers> operator()(hn::Vec<Numbers> v) const { return hn::TableLookupLanes(v, indices_); }
+  HWY_INLINE Vec operator()(Vec v) const { return hn::BitCast(Lanes(), (*this)(hn::BitCast(Numbers(), v))); }
+  std::size_t count() const { return count_; }
+
+ private:
+  std::size_t count_;
+  decltype(hn::SetTableIndices(Numbers(), static_cast<const std::int32_t*>(nullptr))) indices_;
+};
+
+/// A moving box against boxes of a node that rests.
+template <int kEnds>
+class LaneTest {
+ public:
+  HWY_INLINE LaneTest(const BoxGate::Side& side, const Box& moving)
+      : side_(side), slab_(sweep_slab<kEnds>(side, moving)) {
+    sweep<kEnds>(side, moving, swept_);
+  }
+
+  /// The lanes from `first` on that are proven apart, and what was read of all of them.
+  HWY_INLINE hn::Mask<Lanes> apart(const MeshNode& node, std::size_t first, Boxes& boxes) const {
+    const Lanes d;
+    auto result = hn::FirstN(d, 0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto lower = Boxes::widened(node.lower[axis] + first), upper = Boxes::widened(node.upper[axis] + first);
+      result = hn::Or(
+          result, hn::Or(hn::Gt(lower, hn::Set(d, swept_.high[axis])), hn::Lt(upper, hn::Set(d, swept_.low[axis]))));
+      boxes.sum[axis] = hn::Add(lower, upper);
+      boxes.extent[axis] = hn::Sub(upper, lower);
+      boxes.normal[axis] = Boxes::widened(node.normal[axis] + first);
+    }
+    boxes.slab_lower = Boxes::widened(node.slab_lower + first);
+    boxes.slab_upper = Boxes::widened(node.slab_upper + first);
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::array<float, 3>& n = side_.oblique[axis];
+      auto reach = hn::Mul(hn::Set(d, std::abs(n[0])), boxes.extent[0]);
+      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[1])), boxes.extent[1]));
+      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[2])), boxes.extent[2]));
+      result = hn::Or(result, beyond(dot(boxes.sum, n.data()), reach, hn::Set(d, swept_.low[4 + axis]),
+                                     hn::Set(d, swept_.high[4 + axis])));
+    }
+    return hn::Or(result, beyond_slab(boxes, slab_));
+  }
+
+ private:
+  const BoxGate::Side& side_;
+  SweptSlab slab_;
+  Swept swept_;
+};
+
+/// Depth first, the larger box of a pair being opened.
+template <int kEnds>
+class Traversal {
+ public:
+  Traversal(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate)
+      : trees_{&a, &b}, sides_{&gate.a, &gate.b} {}
+
+  bool run(VisitLeaves visit, void* context) {
+    // The whole of b against the boxes of a's root; b's root is opened next.
+    open(0, 0, {0, 0, std::numeric_limits<float>::infinity()}, Box::around(trees_[1]->nodes[0]));
+    while (size_ > 0) {
+      // Several at a time: their tests do not wait for each other.
+      const std::size_t taken = std::min(size_, size_ > crowded ? std::size_t{1} : batch);
+      std::array<Task, batch> tasks;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < taken; ++i) {
+        --size_;
+        const std::uint32_t link_a = stack_[0].link[size_], link_b = stack_[1].link[size_];
+        const int count_a = MeshNode::count_of(link_a), count_b = MeshNode::count_of(link_b);
+        if (count_a > 0 && count_b > 0) {
+          if (!visit(context, MeshNode::child_of(link_a), count_a, MeshNode::child_of(link_b), count_b)) return false;
+          continue;
+        }
+        // Without branches: which one it is nobody can predict.
+        const bool larger_a = stack_[0].size[size_] >= stack_[1].size[size_];
+        const std::size_t opened = 1 - static_cast<std::size_t>((count_b > 0) | ((count_a == 0) & larger_a));
+        const Column& other = stack_[1 - opened];
+        tasks[count++] = {opened,
+                          MeshNode::child_of(stack_[opened].link[size_]),
+                          {other.link[size_], other.slot[size_], other.size[size_]}};
+      }
+      while (count > 0) {
+        --count;
+        const auto& [opened, node, other] = tasks[count];
+        open(opened, node, other,
+             Box(trees_[1 - opened]->nodes[other.slot / MeshNode::width], other.slot % MeshNode::width));
+      }
+    }
+    return true;
+  }
+
+ private:
+  /// A box of a tree.
+  struct Ref {
+    std::uint32_t link;
+    std::uint32_t slot;  ///< node * width + lane
+    float size;
+  };
+  /// A node to open, and the box that is tested against what is in it.
+  struct Task {
+    std::size_t opened;
+    std::int32_t node;
+    Ref other;
+  };
+  static constexpr std::size_t batch = 4;
+  static constexpr std::size_t crowded = 256;  // from here on one at a time, which bounds the stack
+  // Stores go on behind the top by a vector.
+  static constexpr std::size_t stack_size = crowded + MeshNode::width * (batch + 2 * MeshTree::max_depth + 9);
+  /// The boxes of one tree, of all pairs on the stack.
+  struct Column {
+    std::array<std::uint32_t, stack_size> link, slot;
+    std::array<float, stack_size> size;
+  };
+
+  /// Tests the boxes of a node of tree `resting` against a box of the other one. What is not proven apart goes on the
+  /// stack.
+  HWY_INLINE void open(std::size_t resting, std::int32_t index, Ref other, const Box& moving) {
+    const Lanes d;
+    const Numbers du;
+    const BoxGate::Side& side = *sides_[resting];
+    const MeshNode& node = trees_[resting]->nodes[index];
+    const LaneTest<kEnds> test(side, moving);
+    const auto step = hn::Set(d, side.step);
+    Column &rests = stack_[resting], &moves = stack_[1 - resting];
+    for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
+      Boxes boxes;
+      const auto apart = test.apart(node, first, boxes);
+      const auto link = hn::LoadU(du, node.link + first);
+      const auto used = hn::Lt(link, hn::Set(du, MeshNode::unused_link));
+      const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;
+      const auto slot =
+          hn::Iota(du, static_cast<std::uint32_t>(index) * MeshNode::width + static_cast<std::uint32_t>(first));
+      const Packing pack(near);
+      hn::StoreU(pack(link), du, rests.link.data() + size_);
+      hn::StoreU(pack(slot), du, rests.slot.data() + size_);
+      hn::StoreU(pack(hn::Mul(sizes(boxes), step)), d, rests.size.data() + size_);
+      hn::StoreU(hn::Set(du, other.link), du, moves.link.data() + size_);
+      hn::StoreU(hn::Set(du, other.slot), du, moves.slot.data() + size_);
+      hn::StoreU(hn::Set(d, other.size), d, moves.size.data() + size_);
+      size_ += pack.count();
+    }
+  }
+
+  std::array<const MeshTreeView*, 2> trees_;   // a, b
+  std::array<const BoxGate::Side*, 2> sides_;  // by the tree at rest
+  std::size_t size_ = 0;
+  std::array<Column, 2> stack_;
+};
+
+bool visit_leaf_pairs(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, VisitLeaves visit,
+                      void* context) {
+  return gate.ends == 1 ? Traversal<1>(a, b, gate).run(visit, context) : Traversal<2>(a, b, gate).run(visit, context);
+}
+
+}  // namespace encage::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::Matrix3d;
+
+/// Upper bound of the spectral norm, tight for what is nearly a rotation.
+double norm_bound(const Matrix& m) {
+  return std::sqrt(1 + (m.transpose() * m - Matrix::Identity()).norm()) * (1 + 1e-14);
+}
+
+/// Bound of a rounded normal's length.
+constexpr double longest_normal = MeshNode::normal_size + 1;
+
+Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+BoxGate::Column column(const Vector& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+void set_column(std::array<BoxGate::Side::PerAxis, 3>& axes, std::array<BoxGate::Side::PerAxis, 3>& sizes, int k,
+                const Vector& n) {
+  for (int i = 0; i < 3; ++i) {
+    axes[i][k] = static_cast<float>(n[i]);
+    sizes[i][k] = std::abs(axes[i][k]);
+  }
+}
+
+/// `maps` of the body at rest, `others` of the moving one, to the common frame at both ends of the interval.
+BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& body,
+                        const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
+  BoxGate::Side side{};
+  // Local coordinates are middle + step * place.
+  const double step = body.scale * static_cast<double>(body.grid.step);
+  const double ratio = other.scale * static_cast<double>(other.grid.step) / step;
+  const double radius = body.scale * body.radius, other_radius = other.scale * other.radius;
+  const Vector middle = body.scale * as_vector(body.grid.middle);
+  const Vector other_middle = other.scale * as_vector(other.grid.middle);
+  std::array<AffineMap, 2> relative;
+  double stretch = 1, offset = 0, shrink = 1;
+  bool finite = true;  // NaN would not survive the maxima
+  for (int end = 0; end < ends; ++end) {
+    const bool identity = maps[end].linear == Matrix::Identity();
+    const Matrix inverse = identity ? Matrix(Matrix::Identity()) : Matrix(maps[end].linear.inverse());
+    if (end == 0 && !identity) shrink = 1 / norm_bound(inverse);
+    relative[end] = {inverse * others[end].linear, inverse * (others[end].offset - maps[end].offset)};
+    finite = finite && relative[end].linear.allFinite() && relative[end].offset.allFinite();
+    stretch = std::max(stretch, norm_bound(relative[end].linear));
+    offset = std::max(offset, relative[end].offset.norm());
+  }
+  // The other's axes as they are at the start; below length 1, whatever the rounding.
+  const Matrix axes = relative[0].linear * ((1 - 1e-6) / stretch);
+  for (int end = 0; end < ends; ++end) {
+    const Vector origin = (relative[end](other_middle) - middle) / step;
+    side.offset[end] = column(origin);
+    for (int k = 0; k < 3; ++k) {
+      side.map[end][k] = column(relative[end].linear.col(k) * ratio);
+      set_column(side.moving[end], side.moving_size[end], k, relative[end].linear.row(k).transpose() * ratio);
+      side.moving_offset[end][k] = static_cast<float>(origin[k]);
+      set_column(side.moving[end], side.moving_size[end], 4 + k,
+                 relative[end].linear.transpose() * axes.col(k) * ratio);
+      side.moving_offset[end][4 + k] = static_cast<float>(axes.col(k).dot(origin));
+    }
+  }
+
+  // With A(t) the map of the body at rest and l(t) the straight line, the moving point p(t) is off by
+  // A(t) l(t) - p(t) = t (1 - t) (A1 - A0) (l(0) - l(1)); and A(t) shrinks distances to 1 / |A0^-1| - |A1 - A0| at
+  // least.
+  double bulge = 0;
+  if (ends == 2) {
+    const double turn = (maps[1].linear - maps[0].linear).norm();
+    const double way = (relative[1].linear - relative[0].linear).norm() * other_radius +
+                       (relative[1].offset - relative[0].offset).norm();
+    bulge = 0.25 * turn * way * (1 + 1e-9);
+    shrink -= turn;
+  }
+  // 128 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
+  const double size = radius + middle.norm() + stretch * (other_radius + other_middle.norm()) + offset;
+  const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
+  // Sums of places must stay finite as well: infinity has lost what would be subtracted from it.
+  const bool rigid = ends == 2 || stretch < 1 + 1e-8;  // sweep_slab() takes bodies at rest for that
+  side.works = finite && rigid && shrink > 0.05 && stretch < 1e3 && ratio > 1e-10 && ratio < 1e10 &&
+               size < 1e28 * std::min(1.0, step) && gap < 1e28 * std::min(1.0, step);
+  if (!side.works) return side;
+  const double places = gap / step * (1 + 0x1p-22);
+  side.gap.fill(std::nextafter(static_cast<float>(places), std::numeric_limits<float>::infinity()));
+  side.step = static_cast<float>(step);
+  side.normal_scale = static_cast<float>(1 / (ratio * ratio));
+  side.moving_slab_gap = static_cast<float>(places * longest_normal * stretch / ratio * (1 + 0x1p-20));
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < 3; ++i) side.oblique[k][i] = static_cast<float>(0.5 * axes(i, k));
+  }
+  return side;
+}
+
+}  // namespace
+
+BoxGate::BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance)
+    : a(make_side(motion.a, body_a, motion.b, body_b, motion.at_rest ? 1 : 2, distance)),
+      b(make_side(motion.b, body_b, motion.a, body_a, motion.at_rest ? 1 : 2, distance)),
+      ends(motion.at_rest ? 1 : 2) {}
+
+HWY_EXPORT(visit_leaf_pairs);
+
+bool visit_leaf_pairs(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, VisitLeaves visit,
+                      void* context) {
+  return HWY_DYNAMIC_DISPATCH(visit_leaf_pairs)(a, b, gate, visit, context);
+}
+
+}  // namespace encage
+#endif

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/separation/plane_check.h"
+
+#include "broadphase/motion/frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+/// Whether n . x > limit for some vertex x, as computed.
+bool exceeds(const Surface& surface, const Vector& n, double limit) noexcept {
+  std::array<std::int32_t, MeshNode::width*(MeshTree::max_depth + 2)> stack;
+  int size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const MeshNode& node = surface.tree.nodes[stack[--size]];
+    std::array<double, MeshNode::width> upper{};
+    for (int k = 0; k < 3; ++k) {
+      for (int lane = 0; lane < MeshNode::width; ++lane) {
+        upper[lane] += n[k] * (n[k] > 0 ? surface.tree.upper(node, k, lane) : surface.tree.lower(node, k, lane));
+      }
+    }
+    for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
+      if (upper[lane] <= limit) continue;
+      if (node.count(lane) == MeshNode::inner) {
+        stack[size++] = node.child(lane);
+        continue;
+      }
+      for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
+        for (const std::int32_t v : surface.tree.leaves[i].vertices) {
+          if (!(n.dot(surface.vertex(v)) <= limit)) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+PlaneCheck::PlaneCheck(const Shape& shape, const Surface& surface, const Motion& motion, const HalfSpace& plane,
+                       double margin, double arc) noexcept
+    : surface_(surface, motion.scale), arc_(arc) {
+  double size = std::abs(plane.offset) + surface_.radius() + motion.scale * shape.origin.norm();
+  for (std::size_t end = 0; end < 2; ++end) {
+    const Eigen::Isometry3d& pose = end == 0 ? motion.start : motion.end;
+    normal_[end] = pose.linear().transpose() * plane.normal;
+    height_[end] = plane.normal.dot(pose * (motion.scale * shape.origin)) - plane.offset;
+    size += pose.translation().norm();
+  }
+  const bool unit = std::abs(plane.normal.norm() - 1) <= 1e-9 && std::isfinite(plane.offset) && margin >= 0 &&
+                    arc >= 0 && std::isfinite(arc);
+  // Heights are off by less than 32 units of roundoff of the sizes; the normal's length scales them by 1 +- 1e-9.
+  clearance_ = unit ? (margin + (1 + 1e-8) * motion.scale * shape.outer_error()) * (1 + 4e-9) + 32 * eps * size
+                    : std::numeric_limits<double>::infinity();
+}
+
+bool PlaneCheck::beyond_throughout() const noexcept {
+  for (std::size_t end = 0; end < 2; ++end) {
+    const double depth = height_[end] - (clearance_ + arc_);
+    // Mostly the ball about the local origin will do.
+    if (depth > surface_.radius() * (1 + 2e-9)) continue;
+    if (exceeds(*surface_, -normal_[end], depth / surface_.scale())) return false;
+  }
+  return true;
+}
+
+void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), void* context) const {
+  const auto lowest = [&](const MeshNode& node, int lane, std::size_t end) {
+    double sum = height_[end];
+    for (int k = 0; k < 3; ++k) {
+      const double n = surface_.scale() * normal_[end][k];
+      sum += std::min(n * static_cast<double>(surface_->tree.lower(node, k, lane)),
+                      n * static_cast<double>(surface_->tree.upper(node, k, lane)));
+    }
+    return sum;
+  };
+  // Boxes are left out a little later than vertices are: their bounds carry as much rounding.
+  const double reach = 2 * clearance_ + arc_;
+  std::array<std::int32_t, MeshNode::width*(MeshTree::max_depth + 2)> stack;
+  int size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const MeshNode& node = surface_->tree.nodes[stack[--size]];
+    for (int lane = MeshNode::width - 1; lane >= 0; --lane) {
+      if (node.count(lane) == MeshNode::unused) continue;
+      if (lowest(node, lane, 0) > reach && lowest(node, lane, 1) > reach) continue;
+      if (node.count(lane) == MeshNode::inner) {
+        stack[size++] = node.child(lane);
+        continue;
+      }
+      for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
+        for (const std::int32_t v : surface_->tree.leaves[i].vertices) visit(context, v);
+      }
+    }
+  }
+}
+
+double PlaneCheck::first_time(std::int32_t vertex) const {
+  const Vector x = surface_.vertex(vertex);
+  // Above the clearance: a + b t + c t^2 with the bulge of the arc, convex; the first time it is 0.
+  const double a = height_[0] + normal_[0].dot(x) - clearance_;
+  const double end = height_[1] + normal_[1].dot(x) - clearance_;
+  if (!(a > 0)) return 0;
+  const double c = 4 * arc_;
+  const double b = end - a - c;
+  if (!(b < 0)) return end > 0 ? 2 : 0;
+  const double discriminant = b * b - 4 * a * c;
+  // Its error moves a double root by the root of eps: rounded down by more than that.
+  if (discriminant < -16 * eps * b * b) return 2;
+  const double root = 2 * a / (-b + std::sqrt(std::max(discriminant, 0.0)));
+  return root <= 1 + 1e-7 ? std::min(1.0, root * (1 - 1e-7)) : end > 0 ? 2 : 1;
+}
+
+}  // namespace encage

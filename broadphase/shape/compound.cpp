@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/shape/compound.h"
+
+#include "broadphase/motion/frame.h"
+#include "broadphase/motion/turned_box.h"
+#include "src/files/number_text.h"
+
+#include <encage/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace encage {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+// Far below what the whole's pose may depart from rigid: the product of both stays usable.
+constexpr double most_departure = 1e-12, most_departure_in_nests = 1e-10;
+
+std::string name(std::size_t part) { return "part " + std::to_string(part) + ": "; }
+
+/// `place` is how the message starts.
+void check_scale(double scale, const std::string& place) {
+  if (scale >= 1e-50 && scale <= 1e50) return;
+  throw Error(place + "the scale is " + number_text(scale) + ", not between 1e-50 and 1e50");
+}
+
+void check(const CompoundPart& part, std::size_t i) {
+  if (!part.shape) throw Error(name(i) + "no shape");
+  if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > most_departure) {
+    throw Error(name(i) + "the pose is not finite, beyond 1e150 or farther than 1e-12 from rigid");
+  }
+  check_scale(part.scale, name(i));
+}
+
+/// As it is in the whole, whatever the compounds between are.
+void check(const ShapePart& part, const std::string& place) {
+  check_scale(part.scale, place);
+  if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > most_departure_in_nests) {
+    throw Error(place + "the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
+  }
+  if (!(part.reach <= largest_length)) {
+    throw Error(place + "it reaches " + number_text(part.reach) + " from the origin, farther than 1e150");
+  }
+}
+
+/// x -> outer(inner(x)), rounded.
+Eigen::Isometry3d placed(const Eigen::Isometry3d& outer, double outer_scale, const Eigen::Isometry3d& inner) {
+  Eigen::Isometry3d pose;
+  pose.linear() = outer.linear() * inner.linear();
+  pose.translation() = outer.linear() * (outer_scale * inner.translation()) + outer.translation();
+  pose.makeAffine();
+  return pose;
+}
+
+/// Halves by the longest extent of the middles of boxes: leaves first to last below node `n`.
+class TreeBuilder {
+ public:
+  explicit TreeBuilder(Shape& shape) : shape_(shape) {
+    for (std::size_t i = 0; i < shape.parts.size(); ++i) order_.push_back(static_cast<std::int32_t>(i));
+    shape_.part_nodes.reserve(2 * order_.size());
+    add(order_);
+  }
+
+ private:
+  std::int32_t add(std::span<std::int32_t> parts) {
+    const auto n = static_cast<std::int32_t>(shape_.part_nodes.size());
+    shape_.part_nodes.emplace_back();
+    if (parts.size() == 1) {
+      shape_.part_nodes[n].box = box(parts[0]);
+      shape_.part_nodes[n].part = parts[0];
+      return n;
+    }
+    Eigen::AlignedBox3d all, middles;
+    for (const std::int32_t p : parts) {
+      all.extend(box(p));
+      middles.extend(Eigen::Vector3d(box(p).center()));
+    }
+    int axis = 0;
+    middles.sizes().maxCoeff(&axis);
+    const std::size_t half = parts.size() / 2;
+    std::nth_element(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(half), parts.end(),
+                     [&](std::int32_t x, std::int32_t y) {
+                       const double at_x = box(x).center()[axis], at_y = box(y).center()[axis];
+                       return at_x != at_y ? at_x < at_y : x < y;
+                     });
+    const std::int32_t first = add(parts.first(half)), second = add(parts.subspan(half));
+    shape_.part_nodes[n].box = all;
+    shape_.part_nodes[n].children = {first, second};
+    return n;
+  }
+
+  const Eigen::AlignedBox3d& box(std::int32_t part) const { return shape_.parts[static_cast<std::size_t>(part)].box; }
+
+  Shape& shape_;
+  std::vector<std::int32_t> order_;
+};
+
+std::int32_t add_count(std::int64_t before, std::size_t more, const char* what) {
+  const std::int64_t sum = before + static_cast<std::int64_t>(more);
+  if (sum > std::numeric_limits<std::int32_t>::max()) throw Error(std::string("compound: too many ") + what);
+  return static_cast<std::int32_t>(sum);
+}
+
+/// Adds a simple shape. What placed() rounds for each compound around it, as for the whole, is in the box.
+void add_part(Shape& compound, ShapePart part, const std::string& place, std::int32_t& triangles,
+              std::int32_t& vertices) {
+  check(part, place);
+  const Eigen::Vector3d slack = Eigen::Vector3d::Constant(32 * eps * part.nesting * part.reach);
+  part.box = world_box(*part.shape, Motion::resting(part.pose, part.scale));
+  part.box = {part.box.min() - slack, part.box.max() + slack};
+  assert(part.box.min().allFinite() && part.box.max().allFinite());
+  part.first_triangle = triangles;
+  part.first_vertex = vertices;
+  triangles = add_count(triangles, part.shape->fine_triangles, "triangles");
+  vertices = add_count(vertices, part.shape->fine_vertices, "vertices");
+  compound.parts.push_back(std::move(part));
+}
+
+/// Adds part `i`, or its own parts.
+void flatten(Shape& compound, const CompoundPart& part, std::size_t i, std::int32_t& triangles,
+             std::int32_t& vertices) {
+  const double offset = part.pose.translation().norm();
+  if (part.shape->parts.empty()) {
+    const double reach = offset + part.scale * (part.shape->origin.norm() + part.shape->radius);
+    add_part(compound, {part.shape, part.pose, part.scale, {}, reach, 0, 0, 0}, name(i), triangles, vertices);
+    return;
+  }
+  for (std::size_t k = 0; k < part.shape->parts.size(); ++k) {
+    const ShapePart& inner = part.shape->parts[k];
+    add_part(compound,
+             {inner.shape,
+              placed(part.pose, part.scale, inner.pose),
+              part.scale * inner.scale,
+              {},
+              offset + part.scale * inner.reach,  // even where places cancel
+              inner.nesting + 1,
+              0,
+              0},
+             name(i) + "its " + name(k), triangles, vertices);
+  }
+}
+
+Eigen::AlignedBox3d swept_box(const Eigen::AlignedBox3d& box, const Motion& motion) {
+  const Eigen::AlignedBox3d start = turned_box(box, motion.start, motion.scale);
+  return motion.at_rest() ? start : start.merged(turned_box(box, motion.end, motion.scale));
+}
+
+/// Visits the parts of which boxes are not proven apart from `other`, until false.
+template <class Visit>
+bool visit_near_parts(const Shape& shape, const Motion& motion, const Eigen::AlignedBox3d& other, double margin,
+                      Visit&& visit) {
+  if (shape.parts.empty()) return visit(MovingPart{&shape, motion});
+  std::array<std::int32_t, 66> stack;  // the tree is balanced
+  int size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const PartNode& node = shape.part_nodes[static_cast<std::size_t>(stack[--size])];
+    if (boxes_apart(swept_box(node.box, motion), other, margin)) continue;
+    if (node.part >= 0) {
+      if (!visit(moving_part(shape, static_cast<std::size_t>(node.part), motion))) return false;
+    } else {
+      stack[size++] = node.children[1];
+      stack[size++] = node.children[0];
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+ShapePtr make_compound(std::span<const CompoundPart> parts) {
+  if (parts.empty()) throw Error("compound: no parts");
+  const auto shape = std::make_shared<Shape>();
+  std::int32_t triangles = 0, vertices = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    check(parts[i], i);
+    flatten(*shape, parts[i], i, triangles, vertices);
+  }
+  const TreeBuilder tree(*shape);
+  return shape;
+}
+
+std::int64_t part_count(const Shape& shape) noexcept {
+  return shape.parts.empty() ? 1 : static_cast<std::int64_t>(shape.parts.size());
+}
+
+PartTriangle part_triangle(const Shape& shape, std::int32_t triangle) noexcept {
+  if (shape.parts.empty()) return {0, triangle};
+  const std::size_t part = part_of_triangle(shape, triangle);
+  return {static_cast<std::int32_t>(part), triangle - shape.parts[part].first_triangle};
+}
+
+std::size_t part_of_triangle(const Shape& compound, std::int32_t triangle) noexcept {
+  const auto after = std::upper_bound(compound.parts.begin(), compound.parts.end(), triangle,
+                                      [](std::int32_t t, const ShapePart& part) { return t < part.first_triangle; });
+  return static_cast<std::size_t>(after - compound.parts.begin()) - 1;
+}
+
+MovingPart moving_part(const Shape& compound, std::size_t index, const Motion& motion) noexcept {
+  const ShapePart& part = compound.parts[index];
+  MovingPart moving;
+  moving.shape = part.shape.get();
+  moving.motion.start = placed(motion.start, motion.scale, part.pose);
+  moving.motion.end = motion.at_rest() ? moving.motion.start : placed(motion.end, motion.scale, part.pose);
+  moving.motion.scale = motion.scale * part.scale;
+  const double far = std::max(motion.start.translation().norm(), motion.end.translation().norm());
+  // docs/guarantee.md, "Compounds".
+  moving.slack = 32 * eps * (1 + part.nesting) * (motion.scale * part.reach + far);
+  moving.first_triangle = part.first_triangle;
+  moving.first_vertex = part.first_vertex;
+  return moving;
+}
+
+Eigen::AlignedBox3d compound_box(const Shape& compound, const Motion& motion) noexcept {
+  constexpr std::size_t few = 32;
+  if (compound.parts.size() > few) return swept_box(compound.part_nodes.front().box, motion);
+  Eigen::AlignedBox3d all;
+  for (std::size_t i = 0; i < compound.parts.size(); ++i) {
+    const MovingPart part = moving_part(compound, i, motion);
+    const Eigen::AlignedBox3d box = world_box(*part.shape, part.motion);
+    all.extend(box.min() - Eigen::Vector3d::Constant(part.slack))
+        .extend(box.max() + Eigen::Vector3d::Constant(part.slack));
+  }
+  return all;
+}
+
+double size_in_world(const Shape& shape, const Motion& motion) noexcept {
+  double reach = shape.radius + shape.origin.norm();
+  for (const ShapePart& part : shape.parts) reach = std::max(reach, part.reach);
+  return motion.scale * reach + std::max(motion.start.translation().norm(), motion.end.translation().norm());
+}
+
+bool visit_parts(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
+                 VisitParts visit, void* context) {
+  return visit_near_parts(a, motion_a, world_box(b, motion_b), margin, [&](const MovingPart& part_a) {
+    const Eigen::AlignedBox3d box = world_box(*part_a.shape, part_a.motion);
+    return visit_near_parts(b, motion_b, box, margin + part_a.slack,
+                            [&](const MovingPart& part_b) { return visit(context, part_a, part_b); });
+  });
+}
+
+}  // namespace encage

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/shape/shape.h"
+
+#include "src/mesh/rounding.h"
+
+#include <encage/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace encage {
+namespace {
+
+/// What can go wrong before coordinates are rounded.
+void check_mesh(const TriangleMesh& mesh) {
+  const auto fail = [](const std::string& what, std::int64_t n, const std::string& why) {
+    throw Error("mesh: " + what + " " + std::to_string(n) + " " + why);
+  };
+  const std::int64_t count = mesh.vertices.rows();
+  for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t v = mesh.triangles(t, k);
+      if (v < 0 || v >= count) fail("triangle", t, "has vertex " + std::to_string(v) + ", of " + std::to_string(count));
+    }
+  }
+  for (std::int64_t v = 0; v < count; ++v) {
+    if (!mesh.vertices.row(v).allFinite()) fail("vertex", v, "is not finite");
+    if (mesh.vertices.row(v).cwiseAbs().maxCoeff() > 1e37) fail("vertex", v, "is too large for float32");
+  }
+  if (mesh.triangles.rows() == 0) throw Error("mesh: no triangles");
+}
+
+/// Everything but the surfaces; what a reader has checked holds for hierarchies made otherwise, too.
+std::shared_ptr<Shape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
+  if (levels > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
+  if (!(summary.origin.array().abs() <= largest_length).all()) {
+    throw Error("hierarchy: the origin is not finite or beyond 1e150");
+  }
+  if (!(summary.fine_error >= 0) || std::isinf(summary.fine_error)) {
+    throw Error("hierarchy: fine_error is not a finite distance");
+  }
+  auto shape = std::make_shared<Shape>();
+  shape->origin = summary.origin;
+  shape->solid = summary.solid;
+  shape->hollow = options.hollow;
+  shape->fine_error = summary.fine_error;
+  return shape;
+}
+
+void add_cage(Shape& shape, const MeshArraysView& arrays) {
+  shape.cages.emplace_back(arrays);
+  shape.radius = std::max(shape.radius, shape.cages.back().radius);
+  if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
+}
+
+constexpr std::size_t most_points = 1024;
+
+/// Corners of boxes of the tree that hold the surface, the largest boxes being opened first.
+std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
+  struct Lane {
+    float size;
+    std::int32_t node;
+    int lane;
+    bool operator<(const Lane& other) const {
+      return std::tuple(size, -node, -lane) < std::tuple(other.size, -other.node, -other.lane);
+    }
+  };
+  const MeshTreeView& tree = surface.tree;
+  std::vector<Lane> heap, closed;
+  const auto push = [&](std::int32_t n) {
+    for (int lane = 0; lane < MeshNode::width && tree.nodes[n].count(lane) != MeshNode::unused; ++lane) {
+      float size = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        size = std::max(size, tree.upper(tree.nodes[n], axis, lane) - tree.lower(tree.nodes[n], axis, lane));
+      }
+      heap.push_back({size, n, lane});
+      std::push_heap(heap.begin(), heap.end());
+    }
+  };
+  push(0);
+  while (!heap.empty() && 8 * (heap.size() + closed.size() + MeshNode::width) <= most_points) {
+    std::pop_heap(heap.begin(), heap.end());
+    const Lane largest = heap.back();
+    heap.pop_back();
+    const MeshNode& node = tree.nodes[largest.node];
+    if (node.count(largest.lane) == MeshNode::inner) {
+      push(node.child(largest.lane));
+    } else {
+      closed.push_back(largest);
+    }
+  }
+  closed.insert(closed.end(), heap.begin(), heap.end());
+  std::vector<std::array<float, 3>> corners;
+  for (const Lane& at : closed) {
+    const MeshNode& node = tree.nodes[at.node];
+    for (int corner = 0; corner < 8; ++corner) {
+      std::array<float, 3>& point = corners.emplace_back();
+      for (int axis = 0; axis < 3; ++axis) {
+        point[axis] = (corner >> axis & 1) != 0 ? tree.upper(node, axis, at.lane) : tree.lower(node, axis, at.lane);
+      }
+    }
+  }
+  return corners;
+}
+
+/// The fine mesh, or else the finest cage that has few vertices: near the body, and quick to project. Without one,
+/// boxes around the finest surface.
+void set_outline(Shape& shape) {
+  const auto set = [&](std::span<const std::array<float, 3>> points) {
+    double squared = 0;
+    for (const auto& p : points)
+      squared = std::max(squared, Eigen::Map<const Eigen::Vector3f>(p.data()).cast<double>().squaredNorm());
+    const double radius = std::sqrt(squared) * (1 + 8 * std::numeric_limits<double>::epsilon());
+    if (!(radius < 1e30)) return;
+    shape.outline = Outline(points);
+    shape.outline_radius = radius;
+  };
+  const auto fits = [&](const Surface& surface) {
+    if (surface.empty() || surface.mesh.vertices.size() > most_points) return false;
+    set(surface.mesh.vertices);
+    return true;
+  };
+  if (!shape.on_demand && fits(shape.fine)) return;
+  if (std::none_of(shape.cages.begin(), shape.cages.end(), fits)) set(box_corners(shape.outer()));
+}
+
+void set_fine(Shape& shape, const MeshArraysView& arrays) {
+  shape.fine = Surface(arrays);
+  shape.fine_triangles = arrays.mesh.triangles.size();
+  shape.fine_vertices = arrays.mesh.vertices.size();
+  shape.radius = std::max(shape.radius, shape.fine.radius);
+}
+
+MeshArraysView keep(Shape& shape, MeshArrays arrays) {
+  return shape.owned_arrays.emplace_back(std::move(arrays)).view();
+}
+
+}  // namespace
+
+Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
+  double squared = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    squared = std::max(squared, vertex(static_cast<std::int32_t>(v)).squaredNorm());
+  }
+  radius = std::sqrt(squared) * (1 + 8 * std::numeric_limits<double>::epsilon());
+  closed = std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.closed == 1; });
+  const MeshNode& root = tree.nodes[0];
+  for (int axis = 0; axis < 3; ++axis) {
+    lower[axis] = tree.lower(root, axis, 0);
+    upper[axis] = tree.upper(root, axis, 0);
+    for (int lane = 1; lane < MeshNode::width && root.count(lane) != MeshNode::unused; ++lane) {
+      lower[axis] = std::min(lower[axis], tree.lower(root, axis, lane));
+      upper[axis] = std::max(upper[axis], tree.upper(root, axis, lane));
+    }
+  }
+}
+
+ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options) {
+  if (hierarchy.levels.empty() && hierarchy.fine.triangles.rows() == 0) {
+    throw Error("hierarchy has neither cages nor a fine mesh");
+  }
+  const AssetSummary summary = {hierarchy.origin, hierarchy.solid, hierarchy.fine_error};
+  const auto shape = describe(summary, hierarchy.levels.size(), options);
+  if (hierarchy.fine.triangles.rows() > 0) {
+    set_fine(*shape, keep(*shape, make_mesh_arrays(hierarchy.fine, "fine mesh")));
+  }
+  for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
+    add_cage(*shape, keep(*shape, make_mesh_arrays(hierarchy.levels[k].mesh, cage_name(k))));
+  }
+  set_outline(*shape);
+  return shape;
+}
+
+ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options) {
+  check_mesh(mesh);
+  CageHierarchy hierarchy;
+  hierarchy.fine = mesh;
+  hierarchy.solid = is_closed(mesh) ? Solid::closed : Solid::surface_only;
+  const Eigen::AlignedBox3d box = bounds(mesh);
+  if (!box.isEmpty()) hierarchy.origin = local_origin(box);
+  hierarchy.fine.vertices.rowwise() -= hierarchy.origin.transpose();
+  hierarchy.fine_error = round_vertices(hierarchy.fine);
+  return make_shape(hierarchy, options);
+}
+
+namespace {
+
+/// Calls load(); its Error names the file.
+template <class Load>
+auto load_named(const std::filesystem::path& file, Load&& load) {
+  try {
+    return load();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    throw Error(message.starts_with(file.string()) ? message : file.string() + ": " + message);
+  }
+}
+
+MeshArraysView stored_cage(const AssetView& view, std::size_t k) {
+  const auto arrays = view.cage_arrays(k);
+  if (!arrays) throw Error(cage_name(k) + ": no stored tree");
+  return *arrays;
+}
+
+}  // namespace
+
+ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode) {
+  AssetView view(file, Verify::cages, mode, AssetParts::arrays);
+  view.fetch_fine();
+  view.verify_fine();
+  view.close_file();
+  const auto fine = view.fine();
+  if (!fine && view.level_count() == 0) throw Error(file.string() + ": neither cages nor a fine mesh");
+  return load_named(file, [&]() -> ShapePtr {
+    const auto shape = describe(view.summary(), view.level_count(), options);
+    // Assets from before trees were stored have none.
+    const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
+    if (!finest) return make_shape(copy_hierarchy(view), options);
+    if (fine) set_fine(*shape, *finest);
+    for (std::size_t k = 0; k < view.level_count(); ++k) add_cage(*shape, stored_cage(view, k));
+    set_outline(*shape);
+    shape->asset.emplace(std::move(view));
+    return shape;
+  });
+}
+
+ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,
+                    std::shared_ptr<MeshBudget> budget) {
+  AssetView view(file, Verify::cages, mode, AssetParts::arrays);
+  view.close_file();
+  const std::size_t levels = view.level_count();
+  if (levels == 0) throw Error(file.string() + ": no cages");
+  return load_named(file, [&]() -> ShapePtr {
+    const auto shape = describe(view.summary(), view.level_count(), options);
+    const bool stored = view.cage_arrays(0).has_value();
+    for (std::size_t k = 0; k < levels; ++k) {
+      add_cage(*shape,
+               stored ? stored_cage(view, k) : keep(*shape, make_mesh_arrays(copy_mesh(view.cage(k)), cage_name(k))));
+    }
+    // Cages enclose the source, which is no farther than that from the fine mesh.
+    shape->radius = (shape->radius + shape->fine_error) * (1 + 16 * std::numeric_limits<double>::epsilon());
+    const bool has_fine = view.fine_triangle_count() > 0;
+    shape->fine_triangles = view.fine_triangle_count();
+    shape->fine_vertices = view.fine_vertex_count();
+    view.discard_fine();  // what the system has read ahead
+    shape->asset.emplace(std::move(view));
+    if (has_fine) shape->on_demand = std::make_unique<OnDemandMesh>(*shape, file.string(), std::move(budget));
+    set_outline(*shape);
+    return shape;
+  });
+}
+
+int level_count(const Shape& shape) noexcept {
+  int count = static_cast<int>(shape.cages.size());
+  for (const ShapePart& part : shape.parts) count = std::max(count, level_count(*part.shape));
+  return count;
+}
+
+std::int64_t level_triangles(const Shape& shape, int level) noexcept {
+  if (shape.parts.empty()) return static_cast<std::int64_t>(shape.cages[level].mesh.triangles.size());
+  std::int64_t count = 0;
+  for (const ShapePart& part : shape.parts) {
+    const int levels = level_count(*part.shape);
+    if (levels > 0) count += level_triangles(*part.shape, std::min(level, levels - 1));
+  }
+  return count;
+}
+
+}  // namespace encage

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace encage {
+
+/// Axis-aligned box in float32: small, for what only has to be conservative.
+struct FloatBox {
+  std::array<float, 3> lower{};
+  std::array<float, 3> upper{};
+
+  /// Contains the box enlarged by `margin` on every side, rounding of the sum included.
+  /// What is NaN or beyond the range of float32 becomes infinite.
+  static FloatBox around(const Eigen::AlignedBox3d& box, double margin = 0) noexcept;
+
+  bool overlaps(const FloatBox& other) const noexcept {  // touching ones do
+    return lower[0] <= other.upper[0] && other.lower[0] <= upper[0] && lower[1] <= other.upper[1] &&
+           other.lower[1] <= upper[1] && lower[2] <= other.upper[2] && other.lower[2] <= upper[2];
+  }
+  bool contains(const FloatBox& other) const noexcept {
+    return lower[0] <= other.lower[0] && other.upper[0] <= upper[0] && lower[1] <= other.lower[1] &&
+           other.upper[1] <= upper[1] && lower[2] <= other.lower[2] && other.upper[2] <= upper[2];
+  }
+  FloatBox merged(const FloatBox& other) const noexcept;
+  FloatBox enlarged(double margin) const noexcept;  ///< as around()
+  friend bool operator==(const FloatBox&, const FloatBox&) = default;
+};
+
+/// Eight boxes, for eight comparisons at once.
+struct alignas(64) BoxLanes {
+  static constexpr int width = 8;
+  std::array<std::array<float, width>, 3> lower{}, upper{};
+
+  BoxLanes() noexcept;  ///< all empty
+  void set(int lane, const FloatBox& box) noexcept {
+    for (int k = 0; k < 3; ++k) {
+      lower[k][lane] = box.lower[k];
+      upper[k][lane] = box.upper[k];
+    }
+  }
+  void clear(int lane) noexcept { set(lane, empty_box()); }
+  FloatBox at(int lane) const noexcept {
+    FloatBox box;
+    for (int k = 0; k < 3; ++k) {
+      box.lower[k] = lower[k][lane];
+      box.upper[k] = upper[k][lane];
+    }
+    return box;
+  }
+  FloatBox merged() const noexcept;
+
+ private:
+  /// Not a number: neutral when merged, and apart from every box.
+  static FloatBox empty_box() noexcept;
+};
+
+/// Packed tree of boxes, eight wide and without pointers: child k of node n is node 8 n + k of the
+/// level below (Kamel and Faloutsos 1993, "On packing R-trees"). Leaves are ordered by splitting them at medians
+/// (Bentley 1975). Where leaves move, boxes of nodes follow; leaves are ordered anew after some have been added, or
+/// when searches have lost as much time by boxes that grew as ordering takes.
+///
+/// Knows which leaves have moved since clear_moved(), and finds pairs for those alone.
+/// The same calls give the same tree and the same order of visits. Changes take effect by refresh(), which is for
+/// searches to follow. Concurrent queries are safe while nothing changes the tree; only insert() allocates.
+class BodyTree {
+ public:
+  using Leaf = std::int32_t;
+
+  /// Adds a leaf with the caller's number for it; it has moved. On bad_alloc the tree is as before.
+  Leaf insert(const FloatBox& box, std::uint32_t item);
+
+  /// The leaf has moved.
+  void update(Leaf leaf, const FloatBox& box) noexcept;
+
+  void remove(Leaf leaf) noexcept;
+
+  /// Room for what the other tree holds: assigning it then allocates nothing, nor do changes but insert().
+  void make_room_for(const BodyTree& other);
+
+  /// Treats the leaf as moved.
+  void touch(Leaf leaf) noexcept;
+  bool has_moved(Leaf leaf) const noexcept { return leaves_[leaf].moved != none; }
+  std::span<const Leaf> moved() const noexcept { return moved_; }
+  void clear_moved() noexcept;
+
+  const FloatBox& box(Leaf leaf) const noexcept { return leaves_[leaf].box; }
+  std::uint32_t item(Leaf leaf) const noexcept { return leaves_[leaf].item; }
+  std::int32_t size() const noexcept { return size_; }
+
+  /// Brings the nodes up to date.
+  void refresh() noexcept;
+
+  /// Calls visit(item) for every leaf whose box overlaps `box`. The tree is fresh.
+  template <class Visit>
+  void query(const FloatBox& box, Visit&& visit) const {
+    const auto each = [&](std::int32_t node, unsigned lanes) {
+      for (; lanes != 0; lanes &= lanes - 1) {
+        visit(items_[BoxLanes::width * node + std::countr_zero(lanes)]);
+      }
+    };
+    search(box, call<decltype(each), std::int32_t, unsigned>, &each);
+  }
+
+  /// Calls visit(item, other item) once for every two leaves of which one has moved and whose boxes overlap, or come to
+  /// overlap if one of them, no matter which, is enlarged by `margin`. Two that overlap only if it is the other
+  /// may be left out. The tree is fresh.
+  template <class Visit>
+  void query_moved_pairs(double margin, Visit&& visit) {
+    const auto each = [&](std::int32_t a, std::int32_t b, std::uint64_t lanes) {
+      for (; lanes != 0; lanes &= lanes - 1) {
+        const int bit = std::countr_zero(lanes);
+        visit(items_[BoxLanes::width * a + bit / BoxLanes::width], items_[BoxLanes::width * b + bit % BoxLanes::width]);
+      }
+    };
+    search_moved(margin, call<decltype(each), std::int32_t, std::int32_t, std::uint64_t>, &each);
+  }
+
+  /// What is wrong with the structure, for tests; empty if nothing is.
+  std::string defect() const;
+  /// Pairs of nodes looked at by the last query_moved_pairs().
+  std::int64_t work() const noexcept { return work_; }
+
+ private:
+  static constexpr std::int32_t none = -1;
+  static constexpr int most_levels = 11;  // 8^11 > 2^31
+
+  struct Entry {
+    FloatBox box;
+    std::uint32_t item = 0;
+    std::int32_t slot = none;   // of free ones: the next one
+    std::int32_t moved = none;  // position in moved_
+  };
+  // A leaf while leaves are ordered.
+  struct Centre {
+    std::array<float, 3> at;
+    Leaf leaf;
+  };
+  using VisitNode = void (*)(const void* context, std::int32_t node, unsigned lanes);
+  using VisitNodes = void (*)(const void* context, std::int32_t a, std::int32_t b, std::uint64_t lanes);
+
+  template <class Function, class... Arguments>
+  static void call(const void* function, Arguments... arguments) {
+    (*static_cast<const Function*>(function))(arguments...);
+  }
+
+  std::int32_t slots() const noexcept { return static_cast<std::int32_t>(order_.size()); }
+  void search(const FloatBox& box, VisitNode visit, const void* context) const;
+  void search_moved(double margin, VisitNodes visit, const void* context);
+  void account(std::int64_t nodes) noexcept;
+
+  void make_room_for(std::size_t slots, std::size_t leaves);
+  bool is_worn() const noexcept;
+  void order_leaves() noexcept;
+  void split(std::size_t first, std::size_t last) noexcept;
+  void resize_levels() noexcept;
+  void place_leaves(bool all) noexcept;
+  void refit() noexcept;
+
+  std::vector<Entry> leaves_;  // by Leaf
+  std::vector<Leaf> moved_;
+  std::vector<Leaf> order_;                                   // by slot; none: empty
+  std::vector<std::uint32_t> items_;                          // the same
+  std::array<std::vector<BoxLanes>, most_levels> levels_;     // 0: slots
+  std::array<std::vector<std::uint8_t>, most_levels> dirty_;  // nodes of which a lane has changed
+  std::vector<std::uint8_t> moved_lanes_;                     // bits, of the nodes of level 0
+  std::vector<Centre> centres_;
+  int height_ = 0;  // levels in use
+  std::int32_t free_ = none;
+  std::int32_t size_ = 0;
+  bool fresh_ = true;
+
+  std::int32_t loose_ = 0;  // leaves added since the others were ordered
+  std::int64_t work_ = 0;
+  double least_rate_ = infinite;  // of work a node that searches, since then
+  double lost_ = 0;               // work above that rate
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace encage

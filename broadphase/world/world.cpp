@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <encage/world.h>
+
+#include "broadphase/world/state.h"
+
+#include <utility>
+
+namespace encage {
+
+World::World() : state_(std::make_unique<State>()) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+// ---- Changes -------------------------------------------------------------
+
+ShapeId World::add_shape(ShapePtr shape, double margin) { return state_->add_shape(std::move(shape), margin); }
+BodyId World::add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options) {
+  return state_->add_body(shape, pose, options);
+}
+HalfSpaceId World::add_half_space(const HalfSpace& half_space, const Filter& filter) {
+  return state_->add_half_space(half_space, filter);
+}
+
+void World::remove_shape(ShapeId shape) { state_->remove(shape); }
+void World::remove_body(BodyId body) { state_->remove(body); }
+void World::remove_half_space(HalfSpaceId half_space) { state_->remove(half_space); }
+
+void World::set_pose(BodyId body, const Eigen::Isometry3d& pose) { state_->set_pose(body, pose); }
+void World::set_motion(BodyId body, const Motion& motion) { state_->set_motion(body, motion); }
+void World::set_shape(BodyId body, ShapeId shape) { state_->set_shape(body, shape); }
+void World::set_options(BodyId body, const BodyOptions& options) { state_->set_options(body, options); }
+void World::set_filter(BodyId body, const Filter& filter) {
+  BodyOptions changed = options(body);
+  changed.filter = filter;
+  state_->set_options(body, changed);
+}
+void World::set_scale(BodyId body, double scale) {
+  BodyOptions changed = options(body);
+  changed.scale = scale;
+  state_->set_options(body, changed);
+}
+void World::set_awake(BodyId body, bool awake) { state_->set_awake(body, awake); }
+void World::set_deformation(BodyId body, double bound) { state_->set_deformation(body, bound); }
+
+// ---- Questions -----------------------------------------------------------
+
+const Motion& World::motion(BodyId body) const { return state_->body(body).motion; }
+const BodyOptions& World::options(BodyId body) const { return state_->body(body).options; }
+const ShapePtr& World::shape(BodyId body) const { return shape(shape_id(body)); }
+ShapeId World::shape_id(BodyId body) const { return state_->body(body).shape; }
+bool World::is_awake(BodyId body) const { return state_->body(body).awake; }
+double World::deformation(BodyId body) const { return state_->body(body).deformation; }
+const ShapePtr& World::shape(ShapeId shape) const { return state_->shape(shape).shape; }
+double World::margin(ShapeId shape) const { return state_->shape(shape).margin; }
+const HalfSpace& World::half_space(HalfSpaceId half_space) const { return state_->half_space(half_space).half_space; }
+
+bool World::contains(ShapeId shape) const noexcept { return state_->shape_ids().contains(shape); }
+bool World::contains(BodyId body) const noexcept { return state_->body_ids().contains(body); }
+bool World::contains(HalfSpaceId half_space) const noexcept { return state_->plane_ids().contains(half_space); }
+std::int64_t World::shape_count() const noexcept { return state_->shape_ids().size(); }
+std::int64_t World::body_count() const noexcept { return state_->body_ids().size(); }
+std::int64_t World::half_space_count() const noexcept { return state_->plane_ids().size(); }
+
+CandidateStatistics World::visit_candidates(const CandidateOptions& options,
+                                            void (*visit)(void* context, const CandidatePair& pair), void* context) {
+  return state_->search(options, visit, context);
+}
+
+}  // namespace encage

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/cli/output_file.h"
+
+#include <encage/asset.h>
+#include <encage/error.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "cagegen/cli/cage_json.h"
+#include "cagegen/cli/is_asset.h"
+#include "src/files/atomic_file.h"
+
+namespace encage::tool {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code missing;
+  return fs::equivalent(a, b, missing);
+}
+
+bool same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.vertices.rows() == b.vertices.rows() && a.triangles.rows() == b.triangles.rows() &&
+         a.vertices == b.vertices && a.triangles == b.triangles;
+}
+
+bool same_levels(const CageHierarchy& a, const CageHierarchy& b) {
+  return a.origin == b.origin &&
+         std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(),
+                    [](const CageLevel& x, const CageLevel& y) { return same_mesh(x.mesh, y.mesh); });
+}
+
+/// Removes a file unless it has been renamed away.
+struct Leftover {
+  fs::path file;
+  ~Leftover() {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
+};
+
+}  // namespace
+
+void check_output(const fs::path& file, const fs::path& input) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder)) throw Error(file.string() + ": no such folder: " + folder.string());
+  if (fs::is_directory(file)) throw Error(file.string() + ": is a folder");
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw Error(file.string() + ": cannot write: " + std::strerror(errno));
+  }
+  if (same_file(file, input)) throw Error(file.string() + ": would overwrite the input");
+}
+
+fs::path default_asset(const fs::path& input) {
+  fs::path file = input.filename().replace_extension(".glb");
+  if (same_file(file, input)) file.replace_extension(".cages.glb");
+  if (fs::exists(file) && !is_asset(file)) {
+    throw Error(file.string() + ": exists and holds no cages; choose the output with -o");
+  }
+  return file;
+}
+
+void write_json(const fs::path& file, const nlohmann::ordered_json& json) { write_atomically(file, dump(json)); }
+
+void write_certified_asset(const fs::path& file, const CageHierarchy& hierarchy) {
+  const Leftover staged{file.string() + ".staged-" + std::to_string(getpid())};
+  write_asset(staged.file, hierarchy);
+  if (!same_levels(read_asset(staged.file, Verify::all), hierarchy)) {
+    throw std::logic_error(file.string() + ": the file read back differs from the certified cages");
+  }
+  fs::rename(staged.file, file);
+}
+
+}  // namespace encage::tool

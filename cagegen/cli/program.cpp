@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/cli/program.h"
+
+#include <encage/error.h>
+
+#include <exception>
+#include <iostream>
+#include <new>
+#include <system_error>
+
+namespace encage::tool {
+
+int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
+  const auto complain = [&app](const auto&... what) { ((std::cerr << app.get_name() << ": ") << ... << what) << '\n'; };
+  try {
+    app.parse(argc, argv);
+    const int status = run();
+    if (!std::cout.flush()) throw Error("standard output: cannot write");
+    return status;
+  } catch (const CLI::ParseError& error) {
+    // exit() prints the help that was asked for, or the mistake.
+    return app.exit(error) == 0 ? success : bad_input;
+  } catch (const Cancelled&) {
+    complain("cancelled, nothing was written");
+    return cancelled;
+  } catch (const Error& error) {
+    complain(error.what());
+  } catch (const std::bad_alloc&) {
+    complain("out of memory");
+  } catch (const std::system_error& error) {
+    complain(error.what());  // a folder that cannot be read, no more threads
+  } catch (const std::exception& error) {
+    complain("internal error: ", error.what());
+  }
+  return bad_input;
+}
+
+}  // namespace encage::tool

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "src/files/hash.h"
+
+#include <string>
+
+// Inline: no run-time dependency on libxxhash.
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace encage {
+namespace {
+
+Hash to_hash(XXH128_hash_t hash) { return {.low = hash.low64, .high = hash.high64}; }
+
+}  // namespace
+
+struct Hasher::State {
+  XXH3_state_t xxh3;
+};
+
+Hasher::Hasher() : state_(std::make_unique<State>()) { XXH3_128bits_reset(&state_->xxh3); }
+Hasher::~Hasher() = default;
+Hasher::Hasher(Hasher&&) noexcept = default;
+Hasher& Hasher::operator=(Hasher&&) noexcept = default;
+
+void Hasher::add(std::span<const std::byte> bytes) {
+  if (!bytes.empty()) XXH3_128bits_update(&state_->xxh3, bytes.data(), bytes.size());
+}
+
+Hash Hasher::digest() const { return to_hash(XXH3_128bits_digest(&state_->xxh3)); }
+
+Hash hash_bytes(std::span<const std::byte> bytes) { return to_hash(XXH3_128bits(bytes.data(), bytes.size())); }
+
+std::string to_string(const Hash& hash) {
+  static constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const std::uint64_t word : {hash.high, hash.low}) {
+    for (int shift = 60; shift >= 0; shift -= 4) text += digits[word >> shift & 15];
+  }
+  return text;
+}
+
+}  // namespace encage

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "oracles/sample_shapes.h"
+
+#include <encage/shape.h>
+
+#include <Eigen/Geometry>
+#include <utility>
+
+namespace encage::test {
+
+/// A sample and the run time's shape of it; how large it is in the world.
+struct Body {
+  Sample sample;
+  ShapePtr shape;
+  double scale;
+  bool hollow;
+
+  explicit Body(Sample s, double size = 1, bool is_hollow = false)
+      : sample(std::move(s)),
+        shape(make_shape(sample.hierarchy, {.hollow = is_hollow})),
+        scale(size),
+        hollow(is_hollow) {}
+  double diagonal() const { return scale * sample.hierarchy.diagonal; }
+  const Eigen::Vector3d& origin() const { return sample.hierarchy.origin; }
+  Eigen::Vector3d centre(const Eigen::Isometry3d& pose) const { return pose * (scale * origin()); }
+  bool solid() const { return sample.hierarchy.solid != Solid::surface_only && !hollow; }
+  bool has_fine() const { return sample.hierarchy.fine.triangles.rows() > 0; }
+  /// The finest that is stored: the fine mesh, else the first cage.
+  const TriangleMesh& mesh() const { return has_fine() ? sample.hierarchy.fine : sample.hierarchy.levels.front().mesh; }
+};
+
+}  // namespace encage::test

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Two bodies at rest or during a step, most of them where the answer of some query changes; and the truth about them.
+
+#include <encage/separated.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "oracles/twin_bodies.h"
+#include "oracles/twins/pair_kind.h"
+
+namespace encage::twins {
+
+struct Scene {
+  const test::Body* a = nullptr;
+  const test::Body* b = nullptr;
+  Motion motion_a, motion_b;
+  double margin = 0;
+  double unit = 1;  ///< of lengths, a power of two
+
+  double size() const { return (a->diagonal() + b->diagonal()) / 2; }
+  /// A distance so large, compared with the bodies, that more than it should be told.
+  double one_per_cent() const { return 0.01 * std::max(a->diagonal(), b->diagonal()); }
+  /// Every stage that may reject.
+  Verdict ask(double more = 0) const {
+    return separated(*a->shape, motion_a, *b->shape, motion_b, {.margin = margin + more, .cages = CageUse::always});
+  }
+  /// Where numbers are in range and rounding is far below 1 %: a pose may drift by 2.5e-10 of its distance.
+  bool well_conditioned() const { return unit < 0x1p90 && motion_a.start.translation().norm() < 1e5 * unit; }
+  std::string text() const;
+};
+
+/// Makes scenes of all small bodies; every 64th pair has a large one, every 512th has two.
+class Scenes {
+ public:
+  enum class Bodies { all, with_fine_mesh };
+  /// `large`: whether there are large ones at all.
+  Scenes(Bodies bodies, bool large);
+
+  /// Whether the query under test rejects the scene: places are sought where that changes.
+  using Query = std::function<bool(const Scene&)>;
+  Scene resting(test::TwinRandom& random, std::int64_t number, const Query& query) const;
+  Scene moving(test::TwinRandom& random, std::int64_t number, const Query& query) const;
+
+ private:
+  struct InUnit {
+    double unit;
+    std::vector<test::Body> small, large;
+  };
+  Scene start(test::TwinRandom& random, std::int64_t number) const;
+
+  std::vector<InUnit> units_;  ///< the usual one, a tiny and a huge one
+};
+
+/// Brute force about bodies at rest, exact. The bodies are the sources, not what is stored of them.
+class RestingTruth {
+ public:
+  explicit RestingTruth(const Scene& scene);
+  ~RestingTruth();
+  RestingTruth(const RestingTruth&) = delete;
+  RestingTruth& operator=(const RestingTruth&) = delete;
+
+  bool within_margin() const;  ///< or in contact, or contained
+  Truth truth() const;
+  bool farther(double more) const;  ///< than the margin and `more`
+  /// Triangles i of a and j of b are no farther apart than the margin.
+  bool triangles_near(std::int64_t i, std::int64_t j) const;
+  bool surfaces_near(double distance) const;
+  /// One holds a part of the other; of bodies whose surfaces do not meet.
+  bool held() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// Brute force about a step: exact times of contact; with a margin, what is seen of distances. The vertices' places
+/// are rounded; what a query rejects is farther apart than that.
+class MovingTruth {
+ public:
+  enum class Meshes { sources, fine };
+  explicit MovingTruth(const Scene& scene, Meshes meshes = Meshes::sources);
+  ~MovingTruth();
+  MovingTruth(const MovingTruth&) = delete;
+  MovingTruth& operator=(const MovingTruth&) = delete;
+
+  Truth truth() const;              ///< unknown is none of the answers
+  bool farther(double more) const;  ///< proven farther apart than the margin and `more` throughout
+  /// The same of surfaces alone: one inside the other is apart.
+  Truth surface_truth() const;
+  bool surfaces_farther(double more) const;
+  /// Pairs of triangles that come within the margin and are not among the `known` ones (i * triangles of b + j).
+  bool near_triangles_but(const std::vector<bool>& known) const;
+  /// Upper bound of the first time of contact; more than 1 if there is none. 0 if they intersect at the start.
+  double latest_first_contact() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// One body during a step.
+Motion random_motion(test::TwinRandom& random, const test::Body& body, const Eigen::Isometry3d& start);
+
+/// Moves the whole motion so that the body's centre starts at `where`.
+void place(const test::Body& body, Motion& motion, const Eigen::Vector3d& where);
+
+}  // namespace encage::twins
