@@ -2,6 +2,7 @@
 #include "bench/assets/base_mesh.h"
 
 #include <Eigen/Geometry>
+
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -1,16 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-assets: many assets, of which few come near each other, kept in memory whole or on demand.
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <iostream>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
-
 #include "bench/assets/make_assets.h"
 #include "bench/assets/measure.h"
 #include "bench/zoo/isolated.h"
@@ -18,6 +8,17 @@
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
 #include "cagegen/cli/progress.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
 
 namespace encage::assets {
 namespace {

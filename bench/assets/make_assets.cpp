@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/assets/make_assets.h"
 
+#include "bench/assets/base_mesh.h"
+#include "bench/assets/variant.h"
+
 #include <encage/asset.h>
 #include <encage/error.h>
 
 #include <cstdio>
 #include <optional>
 #include <string>
-
-#include "bench/assets/base_mesh.h"
-#include "bench/assets/variant.h"
 
 namespace encage::assets {
 namespace {

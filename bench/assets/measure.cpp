@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/assets/measure.h"
 
+#include "src/files/hash.h"
+
 #include <encage/error.h>
 #include <encage/world.h>
+
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -13,8 +16,6 @@
 #include <span>
 #include <string>
 #include <utility>
-
-#include "src/files/hash.h"
 
 namespace encage::assets {
 namespace {

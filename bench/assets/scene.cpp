@@ -2,6 +2,7 @@
 #include "bench/assets/scene.h"
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/bullet/octopus_world.h"
+
 #include <nlohmann/json.hpp>
 
 #include <iosfwd>
 #include <string>
 #include <vector>
-
-#include "bench/bullet/octopus_world.h"
 
 namespace encage::bullet_bench {
 

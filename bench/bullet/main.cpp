@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-bullet: octopuses in a Bullet world, with and without the adapter.
 
-#include <encage/asset.h>
-#include <encage/bake.h>
-
-#include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iostream>
-
 #include "bench/bullet/compare.h"
 #include "bench/tank/octopus.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
+
+#include <encage/asset.h>
+#include <encage/bake.h>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <iostream>
 
 namespace encage::bullet_bench {
 namespace {

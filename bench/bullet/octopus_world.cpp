@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/bullet/octopus_world.h"
 
+#include "bench/tank/cpu_clock.h"
+
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
 #include <random>
-
-#include "bench/tank/cpu_clock.h"
 
 namespace encage::bullet_bench {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "oracles/bullet_contact_points.h"
+
 #include <encage/bullet.h>
 #include <encage/mesh.h>
 
@@ -9,8 +11,6 @@
 #include <set>
 #include <utility>
 #include <vector>
-
-#include "oracles/bullet_contact_points.h"
 
 namespace encage::bullet_bench {
 

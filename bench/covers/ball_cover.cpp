@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/covers/ball_cover.h"
 
+#include "bench/covers/ball_pairs.h"
+#include "src/tree/bvh.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <queue>
 #include <utility>
-
-#include "bench/covers/ball_pairs.h"
-#include "src/tree/bvh.h"
 
 namespace encage::covers {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/covers/ball_pairs.cpp"
 #include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
@@ -6,6 +7,7 @@
 #include "bench/covers/ball_pairs.h"
 
 #include <hwy/highway.h>
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace encage::covers::HWY_NAMESPACE {

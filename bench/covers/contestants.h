@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/covers/pair_lists.h"
+
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "bench/covers/pair_lists.h"
 
 namespace encage::covers {
 

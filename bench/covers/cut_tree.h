@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "src/tree/mesh_arrays.h"
+
 #include <cstdint>
 #include <vector>
-
-#include "src/tree/mesh_arrays.h"
 
 namespace encage::covers {
 

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-covers: what proves most pairs of bodies apart in the least time.
 
-#include <encage/error.h>
-
-#include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iostream>
-#include <string>
-
 #include "bench/covers/report.h"
 #include "broadphase/shape/shape.h"
 #include "cagegen/cli/interrupt.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
 #include "cagegen/cli/progress.h"
+
+#include <encage/error.h>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <string>
 
 namespace encage::covers {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/covers/pair_lists.h"
 
+#include "bench/replay/box_pairs.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
-
-#include "bench/replay/box_pairs.h"
 
 namespace encage::covers {
 namespace {

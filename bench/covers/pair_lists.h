@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "broadphase/motion/pair_motion.h"
+
 #include <encage/poses.h>
 
 #include <vector>
-
-#include "broadphase/motion/pair_motion.h"
 
 namespace encage::covers {
 

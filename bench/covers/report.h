@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <iosfwd>
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include "bench/covers/compare.h"
+
+#include <nlohmann/json.hpp>
+
+#include <iosfwd>
+#include <string>
 
 namespace encage::covers {
 

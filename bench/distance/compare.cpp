@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/distance/compare.h"
 
+#include "bench/replay/fcl_model.h"
+#include "bench/tank/cpu_clock.h"
+
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
 #include <limits>
 #include <memory>
 #include <utility>
-
-#include "bench/replay/fcl_model.h"
-#include "bench/tank/cpu_clock.h"
 
 namespace encage::distances {
 namespace {

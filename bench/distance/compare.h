@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/distance/pairs.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
-
-#include "bench/distance/pairs.h"
 
 namespace encage::distances {
 

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-distance: how far apart bodies are, by cages, by the fine meshes, by FCL.
 
-#include <encage/asset.h>
-#include <encage/error.h>
-
-#include <CLI/CLI.hpp>
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <iostream>
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include "bench/distance/compare.h"
 #include "broadphase/shape/shape.h"
 #include "cagegen/cli/interrupt.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
 #include "cagegen/cli/progress.h"
+
+#include <encage/asset.h>
+#include <encage/error.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
 
 namespace encage::distances {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/micro/workload.h"
+
 #include <benchmark/benchmark.h>
 
 #include <cstddef>
 #include <string>
-
-#include "bench/micro/workload.h"
 
 namespace encage::micro {
 

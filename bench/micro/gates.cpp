@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <hwy/highway.h>
-
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "bench/micro/benches.h"
 #include "broadphase/motion/frame.h"
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/shape/shape.h"
 #include "oracles/meshes.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace encage::micro {
 namespace {

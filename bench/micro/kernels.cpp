@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <encage/contact.h>
-
-#include <deque>
-#include <string>
-#include <vector>
-
 #include "bench/micro/benches.h"
 #include "broadphase/motion/frame.h"
 #include "broadphase/separation/containment.h"
 #include "broadphase/separation/leaf_gate.h"
 #include "broadphase/shape/shape.h"
 #include "oracles/meshes.h"
+
+#include <encage/contact.h>
+
+#include <deque>
+#include <string>
+#include <vector>
 
 namespace encage::micro {
 namespace {

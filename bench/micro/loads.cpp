@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <encage/asset.h>
-
 #include "bench/micro/benches.h"
+
+#include <encage/asset.h>
 
 namespace encage::micro {
 

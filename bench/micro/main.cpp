@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-micro: what each kernel and each stage costs, alone.
 
-#include <benchmark/benchmark.h>
+#include "bench/micro/benches.h"
+#include "cagegen/cli/program.h"
+
 #include <encage/error.h>
 
 #include <CLI/CLI.hpp>
+#include <benchmark/benchmark.h>
+
 #include <filesystem>
 #include <string>
-
-#include "bench/micro/benches.h"
-#include "cagegen/cli/program.h"
 
 namespace encage::micro {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/micro/benches.h"
+#include "broadphase/motion/frame.h"
+#include "broadphase/motion/turned_box.h"
+#include "broadphase/shape/shape.h"
+
 #include <encage/contact.h>
 
 #include <algorithm>
 #include <string>
 #include <vector>
-
-#include "bench/micro/benches.h"
-#include "broadphase/motion/frame.h"
-#include "broadphase/motion/turned_box.h"
-#include "broadphase/shape/shape.h"
 
 namespace encage::micro {
 namespace {

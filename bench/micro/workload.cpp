@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/micro/workload.h"
 
+#include "broadphase/motion/frame.h"
+#include "broadphase/separation/box_gate.h"
+#include "broadphase/separation/surface_pair.h"
+#include "broadphase/shape/shape.h"
+#include "oracles/meshes.h"
+
 #include <encage/asset.h>
 #include <encage/error.h>
 #include <encage/poses.h>
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,12 +18,6 @@
 #include <string>
 #include <system_error>
 #include <utility>
-
-#include "broadphase/motion/frame.h"
-#include "broadphase/separation/box_gate.h"
-#include "broadphase/separation/surface_pair.h"
-#include "broadphase/shape/shape.h"
-#include "oracles/meshes.h"
 
 namespace encage::micro {
 namespace {

@@ -3,13 +3,13 @@
 
 // What the micro benches work on: a shape, and steps in which bodies of that shape come near each other.
 
+#include "broadphase/separation/triangle_pair.h"
+
 #include <encage/separated.h>
 
 #include <filesystem>
 #include <memory>
 #include <vector>
-
-#include "broadphase/separation/triangle_pair.h"
 
 namespace encage::micro {
 

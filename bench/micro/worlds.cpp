@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <encage/world.h>
-
-#include <cmath>
-#include <vector>
-
 #include "bench/micro/benches.h"
 #include "broadphase/shape/shape.h"
 #include "broadphase/world/body_tree.h"
 #include "oracles/meshes.h"
+
+#include <encage/world.h>
+
+#include <cmath>
+#include <vector>
 
 namespace encage::micro {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/continuous.h"
 
+#include "bench/replay/box_pairs.h"
+#include "bench/replay/step_times.h"
+
 #include <encage/contact.h>
 
 #include <algorithm>
-
-#include "bench/replay/box_pairs.h"
-#include "bench/replay/step_times.h"
 
 namespace encage::replay {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/replay/gate.h"
+#include "bench/tank/recording.h"
+
 #include <encage/separated.h>
 
 #include <cstdint>
 #include <functional>
 #include <vector>
-
-#include "bench/replay/gate.h"
-#include "bench/tank/recording.h"
 
 namespace encage::replay {
 

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/embree_engine.h"
 
-#include <embree3/rtcore.h>
+#include "bench/replay/box_pairs.h"
+#include "cagegen/certify/exact.h"
+
 #include <encage/error.h>
+
+#include <embree3/rtcore.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,9 +14,6 @@
 #include <cstring>
 #include <numeric>
 #include <utility>
-
-#include "bench/replay/box_pairs.h"
-#include "cagegen/certify/exact.h"
 
 namespace encage::replay {
 namespace {

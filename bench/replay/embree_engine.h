@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/replay/engine.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <memory>
-
-#include "bench/replay/engine.h"
 
 namespace encage::replay {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/encage_engine.h"
 
-#include <utility>
-
 #include "bench/replay/box_pairs.h"
+
+#include <utility>
 
 namespace encage::replay {
 namespace {

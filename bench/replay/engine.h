@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/replay/gate.h"
+
 #include <encage/poses.h>
 
 #include <string>
 #include <vector>
-
-#include "bench/replay/gate.h"
 
 namespace encage::replay {
 

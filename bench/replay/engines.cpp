@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/engines.h"
 
-#include <encage/error.h>
-
-#include <functional>
-#include <initializer_list>
-
 #include "bench/replay/bullet_engine.h"
 #include "bench/replay/embree_engine.h"
 #include "bench/replay/encage_engine.h"
 #include "bench/replay/fcl_engine.h"
 #include "bench/replay/ode_engine.h"
+
+#include <encage/error.h>
+
+#include <functional>
+#include <initializer_list>
 
 namespace encage::replay {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/replay/engine.h"
+#include "bench/replay/mesh_shape.h"
+
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "bench/replay/engine.h"
-#include "bench/replay/mesh_shape.h"
 
 namespace encage::replay {
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/exact_touch.h"
 
-#include <Eigen/LU>
-#include <algorithm>
-#include <array>
-#include <utility>
-
 #include "cagegen/certify/box_tree.h"
 #include "cagegen/certify/exact.h"
 #include "oracles/exact_pair.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <utility>
 
 namespace encage::replay {
 namespace {

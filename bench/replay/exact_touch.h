@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/replay/gate.h"
+
 #include <encage/mesh.h>
 #include <encage/poses.h>
 
 #include <memory>
 #include <vector>
-
-#include "bench/replay/gate.h"
 
 namespace encage::replay {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/fcl_engine.h"
 
+#include "bench/replay/fcl_model.h"
+
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/narrowphase/collision.h>
 
@@ -8,8 +10,6 @@
 #include <map>
 #include <type_traits>
 #include <utility>
-
-#include "bench/replay/fcl_model.h"
 
 namespace encage::replay {
 namespace {

@@ -1,18 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-replay: recorded poses through collision engines, alone and behind Encage's tests.
 
-#include <encage/error.h>
-
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <filesystem>
-#include <functional>
-#include <iostream>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "bench/replay/continuous.h"
 #include "bench/replay/engines.h"
 #include "bench/replay/exact_touch.h"
@@ -24,6 +12,19 @@
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
 #include "cagegen/cli/progress.h"
+
+#include <encage/error.h>
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace encage::replay {
 namespace {

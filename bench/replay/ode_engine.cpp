@@ -2,6 +2,7 @@
 #include "bench/replay/ode_engine.h"
 
 #include <encage/error.h>
+
 #include <ode/ode.h>
 
 #include <algorithm>

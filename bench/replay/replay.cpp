@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/replay.h"
 
+#include "bench/replay/step_times.h"
+
 #include <algorithm>
 #include <set>
 #include <utility>
-
-#include "bench/replay/step_times.h"
 
 namespace encage::replay {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <optional>
-#include <ostream>
-
 #include "bench/replay/continuous.h"
 #include "bench/replay/replay.h"
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+#include <ostream>
 
 namespace encage::replay {
 

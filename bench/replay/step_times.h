@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/cpu_clock.h"
+
 #include <cstddef>
 #include <vector>
-
-#include "bench/tank/cpu_clock.h"
 
 namespace encage::replay {
 

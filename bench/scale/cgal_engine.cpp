@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CGAL/box_intersection_d.h>
-
 #include "bench/scale/engine.h"
+
+#include <CGAL/box_intersection_d.h>
 
 namespace encage::scale {
 namespace {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <embree3/rtcore.h>
-#include <encage/error.h>
-#include <tbb/task_arena.h>
-
 #include "bench/scale/engine.h"
+
+#include <encage/error.h>
+
+#include <embree3/rtcore.h>
+#include <tbb/task_arena.h>
 
 namespace encage::scale {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <encage/world.h>
-
 #include "bench/scale/engine.h"
+
+#include <encage/world.h>
 
 namespace encage::scale {
 namespace {

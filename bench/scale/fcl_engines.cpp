@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench/scale/engine.h"
+
 #include <fcl/broadphase/broadphase_SSaP.h>
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree_array.h>
@@ -6,8 +8,6 @@
 #include <fcl/geometry/shape/box.h>
 
 #include <deque>
-
-#include "bench/scale/engine.h"
 
 namespace encage::scale {
 namespace {

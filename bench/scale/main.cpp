@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-scale: which boxes overlap, of up to 100,000 bodies that move?
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <iostream>
-#include <map>
-
 #include "bench/scale/measure.h"
 #include "cagegen/cli/interrupt.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
 #include "cagegen/cli/progress.h"
 #include "oracles/meshes.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <map>
 
 namespace encage::scale {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/scale/measure.h"
 
+#include "bench/tank/cpu_clock.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "bench/tank/cpu_clock.h"
 
 namespace encage::scale {
 namespace {

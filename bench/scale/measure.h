@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/scale/engine.h"
+
 #include <functional>
 #include <string>
 #include <vector>
-
-#include "bench/scale/engine.h"
 
 namespace encage::scale {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/scale/scene.h"
 
+#include "bench/tank/cpu_clock.h"
+
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <utility>
-
-#include "bench/tank/cpu_clock.h"
 
 namespace encage::scale {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "broadphase/world/body_tree.h"
+
 #include <encage/shape.h>
 
 #include <cstdint>
@@ -8,8 +10,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include "broadphase/world/body_tree.h"
 
 namespace encage::scale {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/detector.h"
 
+#include "broadphase/shape/shape.h"
+
 #include <encage/error.h>
 
 #include <utility>
-
-#include "broadphase/shape/shape.h"
 
 namespace encage::tank {
 

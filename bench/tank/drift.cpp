@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/drift.h"
 
+#include "src/mesh/portable_trig.h"
+
 #include <cmath>
 #include <string>
-
-#include "src/mesh/portable_trig.h"
 
 namespace encage::tank {
 namespace {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <embree3/rtcore.h>
+#include "bench/tank/sweep.h"
+
 #include <encage/separated.h>
+
+#include <embree3/rtcore.h>
 
 #include <cstdint>
 #include <memory>
 #include <vector>
-
-#include "bench/tank/sweep.h"
 
 namespace encage::tank {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/exact_judge.h"
 
+#include "oracles/exact_ccd.h"
+
 #include <algorithm>
 #include <array>
-
-#include "oracles/exact_ccd.h"
 
 namespace encage::tank {
 namespace {

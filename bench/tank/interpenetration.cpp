@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/interpenetration.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "cagegen/certify/box_tree.h"
 #include "cagegen/certify/exact.h"
+
+#include <algorithm>
+#include <vector>
 
 namespace encage::tank {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/sweep.h"
+
 #include <Eigen/Core>
+
 #include <algorithm>
 #include <array>
-
-#include "bench/tank/sweep.h"
 
 namespace encage::tank {
 

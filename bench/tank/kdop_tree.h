@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/kdop.h"
+#include "bench/tank/sweep.h"
+
 #include <encage/separated.h>
 
 #include <cstdint>
 #include <vector>
-
-#include "bench/tank/kdop.h"
-#include "bench/tank/sweep.h"
 
 namespace encage::tank {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/mass.h"
 
+#include "src/mesh/principal_frame.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "src/mesh/principal_frame.h"
 
 namespace encage::tank {
 namespace {

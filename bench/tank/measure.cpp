@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/measure.h"
 
+#include "bench/tank/cpu_clock.h"
+
 #include <algorithm>
 #include <array>
 #include <set>
 #include <stdexcept>
-
-#include "bench/tank/cpu_clock.h"
 
 namespace encage::tank {
 namespace {

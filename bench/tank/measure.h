@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/compare.h"
+#include "bench/tank/recording.h"
+#include "bench/tank/strategy.h"
+
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "bench/tank/compare.h"
-#include "bench/tank/recording.h"
-#include "bench/tank/strategy.h"
 
 namespace encage::tank {
 

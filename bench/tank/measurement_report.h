@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include "bench/tank/measure.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
 
 namespace encage::tank {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/octopus.h"
 
+#include "bench/tank/octopus_shape.h"
+#include "bench/tank/polygonize.h"
+
 #include <encage/error.h>
 
 #include <cmath>
 #include <string>
-
-#include "bench/tank/octopus_shape.h"
-#include "bench/tank/polygonize.h"
 
 namespace encage::tank {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/octopus_shape.h"
 
+#include "src/mesh/portable_trig.h"
+
 #include <Eigen/Geometry>
+
 #include <array>
 #include <cmath>
-
-#include "src/mesh/portable_trig.h"
 
 namespace encage::tank {
 namespace {

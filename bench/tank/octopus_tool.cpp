@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-octopus: the bench's octopus, and poses to query it on.
 
-#include <encage/bake.h>
-
-#include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iostream>
-#include <string>
-
 #include "bench/tank/drift.h"
 #include "bench/tank/octopus.h"
 #include "bench/tank/seconds.h"
 #include "cagegen/cli/program.h"
+
+#include <encage/bake.h>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <string>
 
 namespace {
 

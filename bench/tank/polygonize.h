@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/implicit.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
-
-#include "bench/tank/implicit.h"
 
 namespace encage::tank {
 

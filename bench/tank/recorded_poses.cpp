@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/recorded_poses.h"
 
+#include "src/files/hash.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
 #include <array>
 #include <span>
-
-#include "src/files/hash.h"
 
 namespace encage::tank {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/recording.h"
+
 #include <encage/cage.h>
 #include <encage/poses.h>
 
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "bench/tank/recording.h"
 
 namespace encage::tank {
 

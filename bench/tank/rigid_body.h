@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Geometry>
-
 #include "bench/tank/mass.h"
+
+#include <Eigen/Geometry>
 
 namespace encage::tank {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/scene.h"
 
+#include "src/mesh/portable_trig.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "src/mesh/portable_trig.h"
 
 namespace encage::tank {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/rigid_body.h"
+
 #include <encage/error.h>
 #include <encage/shape.h>
 
@@ -9,8 +11,6 @@
 #include <random>
 #include <string>
 #include <vector>
-
-#include "bench/tank/rigid_body.h"
 
 namespace encage::tank {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/simulate.h"
 
+#include "src/files/hash.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "src/files/hash.h"
 
 namespace encage::tank {
 namespace {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/recording.h"
+#include "bench/tank/scene.h"
+#include "bench/tank/velocity_filter.h"
+
 #include <encage/poses.h>
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <vector>
-
-#include "bench/tank/recording.h"
-#include "bench/tank/scene.h"
-#include "bench/tank/velocity_filter.h"
 
 namespace encage::tank {
 

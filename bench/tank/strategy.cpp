@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/strategy.h"
 
+#include "bench/tank/embree_tree.h"
+#include "bench/tank/kdop_tree.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
 #include <utility>
-
-#include "bench/tank/embree_tree.h"
-#include "bench/tank/kdop_tree.h"
 
 namespace encage::tank {
 namespace {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/recording.h"
+#include "bench/tank/sweep.h"
+
 #include <encage/contact.h>
 
 #include <cstdint>
@@ -8,9 +11,6 @@
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "bench/tank/recording.h"
-#include "bench/tank/sweep.h"
 
 namespace encage::tank {
 

@@ -1,16 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-tank: many copies of a body in a narrow tank; what collision detection costs with cages and without.
 
-#include <encage/asset.h>
-#include <encage/bake.h>
-
-#include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iostream>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "bench/tank/exact_judge.h"
 #include "bench/tank/interpenetration.h"
 #include "bench/tank/measure.h"
@@ -25,6 +15,17 @@
 #include "cagegen/cli/program.h"
 #include "cagegen/cli/progress.h"
 #include "cagegen/tool/bake_mesh.h"
+
+#include <encage/asset.h>
+#include <encage/bake.h>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace encage::tank {
 namespace {

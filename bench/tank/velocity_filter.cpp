@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/velocity_filter.h"
 
+#include "bench/tank/cpu_clock.h"
+
 #include <algorithm>
 #include <cassert>
 #include <limits>
 #include <tuple>
 #include <utility>
-
-#include "bench/tank/cpu_clock.h"
 
 namespace encage::tank {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "bench/tank/detector.h"
 #include "bench/tank/rigid_body.h"
+
+#include <cstdint>
+#include <vector>
 
 namespace encage::tank {
 

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-threads: the same searches with one thread and with several.
 
+#include "bench/threads/steps.h"
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/program.h"
+#include "cagegen/cli/progress.h"
+
 #include <encage/tbb_executor.h>
 
+#include <CLI/CLI.hpp>
 #include <oneapi/tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -14,12 +20,6 @@
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "bench/threads/steps.h"
-#include "cagegen/cli/interrupt.h"
-#include "cagegen/cli/output_file.h"
-#include "cagegen/cli/program.h"
-#include "cagegen/cli/progress.h"
 
 namespace encage::threads {
 namespace {

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-twins: random and adversarial pairs through every test that may reject one, held against brute force.
 
-#include <encage/error.h>
-
-#include <CLI/CLI.hpp>
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <iostream>
-#include <memory>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "cagegen/cli/interrupt.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
 #include "cagegen/cli/progress.h"
 #include "oracles/twins/run.h"
+
+#include <encage/error.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
 
 namespace encage::twins {
 namespace {

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/baselines.h"
 
+#include "bench/tank/cpu_clock.h"
+#include "bench/zoo/intersections.h"
+#include "bench/zoo/plain_methods.h"
+#include "cagegen/collapse/starts.h"
+#include "src/mesh/rounding.h"
+
 #include <encage/decimator.h>
 #include <encage/error.h>
 
@@ -8,12 +14,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-
-#include "bench/tank/cpu_clock.h"
-#include "bench/zoo/intersections.h"
-#include "bench/zoo/plain_methods.h"
-#include "cagegen/collapse/starts.h"
-#include "src/mesh/rounding.h"
 
 namespace encage::zoo {
 

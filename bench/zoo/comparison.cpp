@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/comparison.h"
 
-#include <optional>
-#include <utility>
-
 #include "bench/zoo/format.h"
 #include "bench/zoo/report.h"
+
+#include <optional>
+#include <utility>
 
 namespace encage::zoo {
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdio>
+#include "bench/zoo/zoo.h"
+
 #include <nlohmann/json.hpp>
+
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "bench/zoo/zoo.h"
 
 namespace encage::zoo {
 

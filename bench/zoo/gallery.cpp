@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/gallery.h"
 
+#include "cagegen/render/render.h"
+
 #include <array>
 #include <span>
 #include <vector>
-
-#include "cagegen/render/render.h"
 
 namespace encage::zoo {
 

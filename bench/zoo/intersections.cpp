@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/intersections.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "cagegen/certify/exact.h"
 #include "cagegen/geometry/triangle_tree.h"
+
+#include <algorithm>
+#include <vector>
 
 namespace encage::zoo {
 

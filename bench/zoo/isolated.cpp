@@ -2,6 +2,7 @@
 #include "bench/zoo/isolated.h"
 
 #include <encage/error.h>
+
 #include <sys/wait.h>
 #include <unistd.h>
 

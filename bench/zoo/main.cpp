@@ -1,15 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-zoo: bakes many meshes and prints what came of each.
 
-#include <encage/error.h>
-
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <filesystem>
-#include <iostream>
-#include <string>
-#include <vector>
-
 #include "bench/zoo/comparison.h"
 #include "bench/zoo/report.h"
 #include "bench/zoo/zoo.h"
@@ -17,6 +8,16 @@
 #include "cagegen/cli/program.h"
 #include "cagegen/tool/bake_options.h"
 #include "src/files/atomic_file.h"
+
+#include <encage/error.h>
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
 
 namespace encage::zoo {
 

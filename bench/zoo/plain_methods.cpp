@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/plain_methods.h"
 
+#include "cagegen/collapse/starts.h"
+#include "cagegen/geometry/cgal_mesh.h"
+
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -12,9 +15,6 @@
 #include <cmath>
 #include <optional>
 #include <vector>
-
-#include "cagegen/collapse/starts.h"
-#include "cagegen/geometry/cgal_mesh.h"
 
 namespace encage::zoo {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // In a file of its own: CGAL's headers are slow to compile.
+#include "bench/zoo/plain_methods.h"
+#include "cagegen/geometry/cgal_mesh.h"
+#include "cagegen/geometry/qp3.h"
+
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
 #include <vector>
-
-#include "bench/zoo/plain_methods.h"
-#include "cagegen/geometry/cgal_mesh.h"
-#include "cagegen/geometry/qp3.h"
 
 namespace encage::zoo {
 

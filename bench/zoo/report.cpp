@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/report.h"
 
-#include <utility>
-
 #include "bench/zoo/format.h"
+
+#include <utility>
 
 namespace encage::zoo {
 

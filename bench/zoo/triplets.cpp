@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/triplets.h"
 
+#include "cagegen/render/levels.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
 #include <cassert>
 #include <span>
-
-#include "cagegen/render/levels.h"
 
 namespace encage::zoo {
 

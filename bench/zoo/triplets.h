@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/render/render.h"
+
 #include <encage/cage.h>
 
 #include <array>
 #include <vector>
-
-#include "cagegen/render/render.h"
 
 namespace encage::zoo {
 

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-triplets: pictures of nested cages side by side.
 
-#include <encage/asset.h>
-#include <encage/error.h>
-
-#include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iostream>
-#include <string>
-#include <vector>
-
 #include "bench/zoo/triplets.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/program.h"
 #include "cagegen/render/arguments.h"
+
+#include <encage/asset.h>
+#include <encage/error.h>
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
 
 namespace encage::zoo {
 

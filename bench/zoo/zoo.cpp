@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/zoo.h"
 
+#include "bench/zoo/clean.h"
+#include "bench/zoo/gallery.h"
+#include "bench/zoo/isolated.h"
+#include "cagegen/tool/bake_mesh.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
@@ -9,11 +14,6 @@
 #include <chrono>
 #include <string_view>
 #include <utility>
-
-#include "bench/zoo/clean.h"
-#include "bench/zoo/gallery.h"
-#include "bench/zoo/isolated.h"
-#include "cagegen/tool/bake_mesh.h"
 
 namespace encage::zoo {
 

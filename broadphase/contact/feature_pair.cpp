@@ -2,6 +2,7 @@
 #include "broadphase/contact/feature_pair.h"
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

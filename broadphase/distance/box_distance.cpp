@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/distance/box_distance.cpp"
 #include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
@@ -6,6 +7,7 @@
 #include "broadphase/distance/box_distance.h"
 
 #include <hwy/highway.h>
+// clang-format on
 
 #include <cmath>
 #include <limits>

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "broadphase/distance/resting_pair.h"
+#include "broadphase/distance/surface_distance.h"
+#include "broadphase/separation/containment.h"
+#include "broadphase/shape/compound.h"
+
 #include <encage/distance.h>
 #include <encage/fine_lease.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "broadphase/distance/resting_pair.h"
-#include "broadphase/distance/surface_distance.h"
-#include "broadphase/separation/containment.h"
-#include "broadphase/shape/compound.h"
 
 namespace encage {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/distance/surface_distance.h"
 
-#include <algorithm>
-
 #include "broadphase/distance/box_distance.h"
 #include "broadphase/distance/triangle_distance.h"
 #include "broadphase/separation/leaf_gate.h"
+
+#include <algorithm>
 
 namespace encage {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "broadphase/distance/resting_pair.h"
+
 #include <encage/separated.h>
 
 #include <cstdint>
 #include <limits>
-
-#include "broadphase/distance/resting_pair.h"
 
 namespace encage {
 

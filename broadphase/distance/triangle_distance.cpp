@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/distance/triangle_distance.h"
 
+#include "src/mesh/segments.h"
+
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "src/mesh/segments.h"
 
 namespace encage {
 namespace {

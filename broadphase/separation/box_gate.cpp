@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/separation/box_gate.cpp"
 #include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
@@ -6,6 +7,7 @@
 #include "broadphase/separation/box_gate.h"
 
 #include <hwy/highway.h>
+// clang-format on
 
 #include <algorithm>
 #include <cmath>

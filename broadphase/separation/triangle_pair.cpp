@@ -4,6 +4,7 @@
 #include "src/mesh/segments.h"
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

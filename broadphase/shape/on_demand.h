@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <encage/shape_cache.h>
-
 #include "src/tree/mesh_arrays.h"
+
+#include <encage/shape_cache.h>
 
 #include <atomic>
 #include <cstdint>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/shape/outline.cpp"
 #include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
@@ -6,6 +7,7 @@
 #include "broadphase/shape/outline.h"
 
 #include <hwy/highway.h>
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {

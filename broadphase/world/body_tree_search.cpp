@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/world/body_tree_search.cpp"
 #include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
@@ -6,9 +7,10 @@
 #include "broadphase/world/body_tree.h"
 
 #include <hwy/highway.h>
+// clang-format on
 
-#ifndef ENCAGE_BROADPHASE_BOX_TREE_SEARCH_
-#define ENCAGE_BROADPHASE_BOX_TREE_SEARCH_
+#ifndef ENCAGE_BODY_TREE_SEARCH
+#define ENCAGE_BODY_TREE_SEARCH
 namespace encage {
 
 /// The nodes of the tree as searches see them.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <encage/world.h>
-
 #include "broadphase/world/state.h"
+
+#include <encage/world.h>
 
 #include <utility>
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/bake/chain.h"
+#include "cagegen/bake/coarse_meshes.h"
+#include "cagegen/bake/level_maker.h"
+#include "cagegen/bake/options.h"
+#include "src/mesh/rounding.h"
+
 #include <encage/bake.h>
 
 #include <algorithm>
 #include <chrono>
 #include <utility>
 #include <vector>
-
-#include "cagegen/bake/chain.h"
-#include "cagegen/bake/coarse_meshes.h"
-#include "cagegen/bake/level_maker.h"
-#include "cagegen/bake/options.h"
-#include "src/mesh/rounding.h"
 
 namespace encage {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/bake/level_maker.h"
+
 #include <encage/bake.h>
 
 #include <cstddef>
 #include <string>
 #include <vector>
-
-#include "cagegen/bake/level_maker.h"
 
 namespace encage {
 

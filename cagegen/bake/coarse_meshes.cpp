@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/bake/coarse_meshes.h"
 
-#include <string>
-#include <utility>
-
 #include "cagegen/certify/certify.h"
 #include "src/mesh/rounding.h"
+
+#include <string>
+#include <utility>
 
 namespace encage {
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/bake/level_maker.h"
 
+#include "cagegen/bake/coarse_meshes.h"
+#include "cagegen/bake/run_reporting.h"
+#include "cagegen/collapse/level.h"
+#include "cagegen/nested/nested_level.h"
+
 #include <algorithm>
 #include <cassert>
 #include <chrono>
 #include <thread>
 #include <utility>
 #include <vector>
-
-#include "cagegen/bake/coarse_meshes.h"
-#include "cagegen/bake/run_reporting.h"
-#include "cagegen/collapse/level.h"
-#include "cagegen/nested/nested_level.h"
 
 namespace encage {
 

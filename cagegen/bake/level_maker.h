@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/bake/journal.h"
+#include "cagegen/control.h"
+#include "cagegen/geometry/obstacle.h"
+
 #include <encage/bake.h>
 
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
-
-#include "cagegen/bake/journal.h"
-#include "cagegen/control.h"
-#include "cagegen/geometry/obstacle.h"
 
 namespace encage {
 

@@ -4,6 +4,7 @@
 #include <encage/cage.h>
 
 #include <nlohmann/json.hpp>
+
 #include <string>
 
 namespace encage::tool {

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/cli/output_file.h"
 
+#include "cagegen/cli/cage_json.h"
+#include "cagegen/cli/is_asset.h"
+#include "src/files/atomic_file.h"
+
 #include <encage/asset.h>
 #include <encage/error.h>
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,10 +16,6 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
-
-#include "cagegen/cli/cage_json.h"
-#include "cagegen/cli/is_asset.h"
-#include "src/files/atomic_file.h"
 
 namespace encage::tool {
 

@@ -3,8 +3,9 @@
 
 #include <encage/cage.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
+
+#include <filesystem>
 
 namespace encage::tool {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/collapse/cage_editor.h"
 
+#include "src/mesh/rounding.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
-
-#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/collapse/cage_editor.h"
+
 #include <cstdint>
 #include <functional>
-
-#include "cagegen/collapse/cage_editor.h"
 
 namespace encage::makers {
 

@@ -4,6 +4,7 @@
 #include <encage/mesh.h>
 
 #include <Eigen/Core>
+
 #include <optional>
 #include <span>
 

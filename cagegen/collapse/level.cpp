@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/collapse/level.h"
 
+#include "cagegen/collapse/cage_editor.h"
+#include "cagegen/collapse/collapse.h"
+#include "cagegen/collapse/starts.h"
+#include "cagegen/contact/minimize.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
 #include <exception>
 #include <mutex>
 #include <thread>
-
-#include "cagegen/collapse/cage_editor.h"
-#include "cagegen/collapse/collapse.h"
-#include "cagegen/collapse/starts.h"
-#include "cagegen/contact/minimize.h"
 
 namespace encage::makers {
 

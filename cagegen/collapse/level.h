@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/control.h"
+#include "cagegen/geometry/obstacle.h"
+
 #include <encage/bake.h>
 #include <encage/mesh.h>
 
@@ -9,9 +12,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "cagegen/control.h"
-#include "cagegen/geometry/obstacle.h"
 
 namespace encage::makers {
 

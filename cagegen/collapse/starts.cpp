@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/collapse/starts.h"
 
+#include "cagegen/collapse/cage_editor.h"
+#include "cagegen/geometry/qp3.h"
+#include "src/mesh/rounding.h"
+
 #include <meshoptimizer.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include "cagegen/collapse/cage_editor.h"
-#include "cagegen/geometry/qp3.h"
-#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

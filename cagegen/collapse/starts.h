@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/geometry/obstacle.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
-
-#include "cagegen/geometry/obstacle.h"
 
 namespace encage::makers {
 

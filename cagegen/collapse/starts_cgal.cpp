@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The starts that CGAL makes, in one file: its headers are slow to compile.
+#include "cagegen/collapse/cage_editor.h"
+#include "cagegen/collapse/convex_hull.h"
+#include "cagegen/collapse/starts.h"
+#include "cagegen/geometry/cgal_mesh.h"
+#include "src/mesh/rounding.h"
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/alpha_wrap_3.h>
@@ -8,12 +14,6 @@
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include "cagegen/collapse/cage_editor.h"
-#include "cagegen/collapse/convex_hull.h"
-#include "cagegen/collapse/starts.h"
-#include "cagegen/geometry/cgal_mesh.h"
-#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

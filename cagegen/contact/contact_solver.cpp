@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/contact/contact_solver.h"
 
+#include "cagegen/geometry/closest.h"
+#include "cagegen/geometry/separation.h"
+#include "src/mesh/rounding.h"
+
 #include <algorithm>
 #include <cmath>
 #include <thread>
 #include <utility>
-
-#include "cagegen/geometry/closest.h"
-#include "cagegen/geometry/separation.h"
-#include "src/mesh/rounding.h"
 
 namespace encage::makers {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/geometry/obstacle.h"
+
 #include <encage/mesh.h>
 
 #include <array>
@@ -8,8 +10,6 @@
 #include <functional>
 #include <optional>
 #include <vector>
-
-#include "cagegen/geometry/obstacle.h"
 
 namespace encage::makers {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/contact/contact_solver.h"
+
 #include <encage/energy.h>
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <functional>
-
-#include "cagegen/contact/contact_solver.h"
 
 namespace encage::makers {
 

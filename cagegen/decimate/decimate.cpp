@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/decimate/decimate.h"
 
+#include "cagegen/decimate/edge_collapse.h"
+
 #include <encage/decimator.h>
 #include <encage/error.h>
 
 #include <string>
-
-#include "cagegen/decimate/edge_collapse.h"
 
 namespace encage::makers {
 

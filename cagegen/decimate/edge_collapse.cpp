@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Everything of the decimators that needs CGAL, in one file: its headers are slow to compile.
+#include "cagegen/decimate/edge_collapse.h"
+
+#include "cagegen/decimate/embedding_guard.h"
+#include "cagegen/geometry/cgal_mesh.h"
+
+#include <encage/error.h>
+
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh_simplification/Edge_collapse_visitor_base.h>
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/GarlandHeckbert_plane_policies.h>
@@ -7,13 +14,7 @@
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_placement.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
-#include <encage/error.h>
-
 #include <vector>
-
-#include "cagegen/decimate/edge_collapse.h"
-#include "cagegen/decimate/embedding_guard.h"
-#include "cagegen/geometry/cgal_mesh.h"
 
 namespace encage::makers {
 

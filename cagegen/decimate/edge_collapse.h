@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/decimate/decimate.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <functional>
 #include <optional>
-
-#include "cagegen/decimate/decimate.h"
 
 namespace encage::makers {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/decimate/self_contact.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "cagegen/decimate/self_contact.h"
 
 namespace encage::makers {
 

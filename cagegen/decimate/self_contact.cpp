@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/decimate/self_contact.h"
 
-#include <cmath>
-
 #include "cagegen/decimate/decimate.h"
+
+#include <cmath>
 
 namespace encage::makers {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/geometry/obstacle.h"
+#include "cagegen/geometry/triangle_tree.h"
+
 #include <encage/mesh.h>
 
 #include <array>
 #include <cstdint>
 #include <vector>
-
-#include "cagegen/geometry/obstacle.h"
-#include "cagegen/geometry/triangle_tree.h"
 
 namespace encage::makers {
 

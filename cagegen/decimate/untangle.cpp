@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "cagegen/decimate/decimate.h"
 #include "cagegen/decimate/self_contact.h"
 #include "cagegen/geometry/closest.h"
 #include "src/mesh/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace encage::makers {
 

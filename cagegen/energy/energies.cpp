@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/energy/vertex_areas.h"
+
 #include <encage/energy.h>
 #include <encage/error.h>
 
 #include <array>
 #include <cstdint>
 #include <string>
-
-#include "cagegen/energy/vertex_areas.h"
 
 namespace encage {
 

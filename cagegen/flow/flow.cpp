@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/flow/flow.h"
 
-#include <algorithm>
-#include <cassert>
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "cagegen/flow/neighbours.h"
 #include "cagegen/flow/parallel.h"
 #include "cagegen/flow/pull.h"
 #include "cagegen/geometry/obstacle.h"
 #include "src/mesh/rounding.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 namespace encage::makers {
 

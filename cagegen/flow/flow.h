@@ -4,6 +4,7 @@
 #include <encage/mesh.h>
 
 #include <Eigen/Core>
+
 #include <cstdint>
 #include <functional>
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cassert>
-
 #include "cagegen/flow/flow.h"
+
+#include <cassert>
 
 namespace encage::makers {
 

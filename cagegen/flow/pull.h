@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/flow/signed_distance.h"
+
 #include <array>
 #include <cstdint>
-
-#include "cagegen/flow/signed_distance.h"
 
 // The integral that the flow decreases, and the path a vertex may take.
 

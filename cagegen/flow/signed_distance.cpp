@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/flow/signed_distance.h"
 
+#include "cagegen/flow/angle.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
-
-#include "cagegen/flow/angle.h"
 
 namespace encage::makers {
 

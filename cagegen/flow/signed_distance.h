@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/flow/point_triangle.h"
+#include "cagegen/flow/winding.h"
+#include "cagegen/geometry/triangle_tree.h"
+
 #include <encage/mesh.h>
 
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
-
-#include "cagegen/flow/point_triangle.h"
-#include "cagegen/flow/winding.h"
-#include "cagegen/geometry/triangle_tree.h"
 
 namespace encage::makers {
 

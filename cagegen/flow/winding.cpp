@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/flow/winding.h"
 
+#include "cagegen/flow/angle.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "cagegen/flow/angle.h"
 
 namespace encage::makers {
 

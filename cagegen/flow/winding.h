@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/geometry/separation.h"
+
 #include <encage/mesh.h>
 
 #include <span>
 #include <vector>
-
-#include "cagegen/geometry/separation.h"
 
 namespace encage::makers {
 

@@ -3,8 +3,9 @@
 
 // Meshes to and from CGAL. Slow to compile: for the few files that use CGAL anyway.
 
-#include <CGAL/Surface_mesh.h>
 #include <encage/mesh.h>
+
+#include <CGAL/Surface_mesh.h>
 
 #include <cstdint>
 #include <vector>

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/geometry/separation.h"
+#include "cagegen/geometry/triangle_tree.h"
+
 #include <encage/mesh.h>
 
 #include <Eigen/Core>
+
 #include <cstdint>
 #include <vector>
-
-#include "cagegen/geometry/separation.h"
-#include "cagegen/geometry/triangle_tree.h"
 
 namespace encage::makers {
 

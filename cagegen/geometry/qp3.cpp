@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
 #include <array>
 #include <cmath>
 #include <limits>

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
 #include <array>
 #include <cstdint>
 #include <span>

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/geometry/float4.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "cagegen/geometry/float4.h"
 
 namespace encage::makers {
 

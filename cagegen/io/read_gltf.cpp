@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <tiny_gltf.h>
+#include "cagegen/io/mesh_file.h"
 
 #include <Eigen/Geometry>
+#include <tiny_gltf.h>
+
 #include <cstring>
 #include <map>
 #include <string>
-
-#include "cagegen/io/mesh_file.h"
 
 namespace encage::io {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/io/mesh_file.h"
+
 #include <encage/bake.h>
 
 #include <algorithm>
@@ -8,8 +10,6 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-
-#include "cagegen/io/mesh_file.h"
 
 namespace encage {
 namespace io {

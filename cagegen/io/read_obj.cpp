@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <string>
-
 #include "cagegen/io/mesh_file.h"
 #include "cagegen/io/text_scanner.h"
+
+#include <string>
 
 namespace encage::io {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/io/mesh_file.h"
+#include "cagegen/io/text_scanner.h"
+
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <string>
-
-#include "cagegen/io/mesh_file.h"
-#include "cagegen/io/text_scanner.h"
 
 namespace encage::io {
 namespace {

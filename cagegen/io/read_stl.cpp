@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
-#include <cstring>
-#include <string>
-
 #include "cagegen/io/mesh_file.h"
 #include "cagegen/io/text_scanner.h"
 #include "cagegen/sanitize/weld.h"
+
+#include <cmath>
+#include <cstring>
+#include <string>
 
 namespace encage::io {
 namespace {

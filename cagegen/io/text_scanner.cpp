@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/io/text_scanner.h"
 
+#include "cagegen/io/mesh_file.h"
+
 #include <charconv>
 #include <cmath>
 #include <system_error>
-
-#include "cagegen/io/mesh_file.h"
 
 namespace encage::io {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/sanitize/ear_clip.h"
+
 #include <encage/bake.h>
 
 #include <array>
 #include <span>
-
-#include "cagegen/sanitize/ear_clip.h"
 
 namespace encage {
 

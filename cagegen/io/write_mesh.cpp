@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/io/mesh_file.h"
+#include "src/files/atomic_file.h"
+
 #include <encage/bake.h>
 
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <string>
-
-#include "cagegen/io/mesh_file.h"
-#include "src/files/atomic_file.h"
 
 namespace encage {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/coarse_sources.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <vector>
-
 #include "cagegen/collapse/starts.h"
 #include "cagegen/decimate/decimate.h"
 #include "src/mesh/rounding.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
 
 namespace encage::makers {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/nested/nested_level.h"
+
 #include <encage/mesh.h>
 
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "cagegen/nested/nested_level.h"
 
 namespace encage::makers {
 

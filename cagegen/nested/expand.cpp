@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/expand.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "cagegen/flow/pull.h"
 #include "cagegen/flow/signed_distance.h"
+
+#include <algorithm>
+#include <vector>
 
 namespace encage::makers {
 

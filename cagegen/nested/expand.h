@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/contact/contact_solver.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <span>
-
-#include "cagegen/contact/contact_solver.h"
 
 namespace encage::makers {
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/nested_level.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <memory>
-#include <utility>
-#include <vector>
-
 #include "cagegen/collapse/collapse.h"
 #include "cagegen/contact/minimize.h"
 #include "cagegen/flow/flow.h"
 #include "cagegen/nested/coarse_sources.h"
 #include "cagegen/nested/expand.h"
 #include "cagegen/nested/reinflate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
 
 namespace encage::makers {
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/collapse/level.h"
+#include "cagegen/control.h"
+#include "cagegen/geometry/obstacle.h"
+
 #include <encage/bake.h>
 #include <encage/decimator.h>
 #include <encage/energy.h>
@@ -10,10 +14,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include "cagegen/collapse/level.h"
-#include "cagegen/control.h"
-#include "cagegen/geometry/obstacle.h"
 
 namespace encage::makers {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/reinflate.h"
 
+#include "cagegen/contact/minimize.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 #include <vector>
-
-#include "cagegen/contact/minimize.h"
 
 namespace encage::makers {
 

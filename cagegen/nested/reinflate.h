@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/contact/contact_solver.h"
+#include "cagegen/flow/flow.h"
+
 #include <encage/bake.h>
 #include <encage/energy.h>
 
 #include <functional>
 #include <string>
-
-#include "cagegen/contact/contact_solver.h"
-#include "cagegen/flow/flow.h"
 
 namespace encage::makers {
 

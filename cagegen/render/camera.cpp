@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/render/camera.h"
 
+#include "src/mesh/portable_trig.h"
+
 #include <algorithm>
 #include <limits>
-
-#include "src/mesh/portable_trig.h"
 
 namespace encage::render {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/render/render.h"
+
 #include <span>
 #include <vector>
-
-#include "cagegen/render/render.h"
 
 namespace encage::render {
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/render/png.h"
 
+#include "src/files/atomic_file.h"
+
 #include <encage/error.h>
+
 #include <png.h>
 
 #include <string>
-
-#include "src/files/atomic_file.h"
 
 namespace encage::render {
 

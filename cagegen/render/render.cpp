@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/render/render.h"
 
+#include "cagegen/render/camera.h"
+#include "cagegen/render/section.h"
+#include "cagegen/render/surface.h"
+#include "src/mesh/portable_trig.h"
+
 #include <encage/error.h>
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -10,11 +16,6 @@
 #include <limits>
 #include <memory>
 #include <string>
-
-#include "cagegen/render/camera.h"
-#include "cagegen/render/section.h"
-#include "cagegen/render/surface.h"
-#include "src/mesh/portable_trig.h"
 
 namespace encage::render {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/render/png.h"
+
 #include <encage/mesh.h>
 
 #include <optional>
 #include <span>
-
-#include "cagegen/render/png.h"
 
 namespace encage::render {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/render/camera.h"
+
 #include <cstdint>
 #include <vector>
-
-#include "cagegen/render/camera.h"
 
 namespace encage::render {
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <embree3/rtcore.h>
+#include "cagegen/render/render.h"
+
 #include <encage/mesh.h>
+
+#include <embree3/rtcore.h>
 
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
-
-#include "cagegen/render/render.h"
 
 namespace encage::render {
 

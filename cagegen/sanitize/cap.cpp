@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/sanitize/cap.h"
 
+#include "cagegen/sanitize/ear_clip.h"
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/utility.h>
 
 #include <algorithm>
-
-#include "cagegen/sanitize/ear_clip.h"
 
 namespace encage::io {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/sanitize/edge_table.h"
+#include "cagegen/sanitize/orient.h"
+
 #include <encage/mesh.h>
 
 #include <array>
 #include <cstdint>
 #include <vector>
-
-#include "cagegen/sanitize/edge_table.h"
-#include "cagegen/sanitize/orient.h"
 
 namespace encage::io {
 

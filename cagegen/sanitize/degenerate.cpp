@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/sanitize/degenerate.h"
 
+#include "cagegen/sanitize/edge_table.h"
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
@@ -9,8 +11,6 @@
 #include <set>
 #include <utility>
 #include <vector>
-
-#include "cagegen/sanitize/edge_table.h"
 
 namespace encage::io {
 namespace {

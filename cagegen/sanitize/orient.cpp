@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/sanitize/orient.h"
 
+#include "cagegen/sanitize/nesting.h"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
-
-#include "cagegen/sanitize/nesting.h"
 
 namespace encage::io {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/sanitize/edge_table.h"
+
 #include <encage/mesh.h>
 
 #include <cstdint>
 #include <vector>
-
-#include "cagegen/sanitize/edge_table.h"
 
 namespace encage::io {
 

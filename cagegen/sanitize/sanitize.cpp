@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/sanitize/cap.h"
+#include "cagegen/sanitize/degenerate.h"
+#include "cagegen/sanitize/edge_table.h"
+#include "cagegen/sanitize/orient.h"
+#include "cagegen/sanitize/weld.h"
+#include "src/files/hash.h"
+
 #include <encage/bake.h>
 
 #include <algorithm>
@@ -8,13 +15,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include "cagegen/sanitize/cap.h"
-#include "cagegen/sanitize/degenerate.h"
-#include "cagegen/sanitize/edge_table.h"
-#include "cagegen/sanitize/orient.h"
-#include "cagegen/sanitize/weld.h"
-#include "src/files/hash.h"
 
 namespace encage {
 namespace {

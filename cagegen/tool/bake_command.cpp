@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/cli/interrupt.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/cli/progress.h"
+#include "cagegen/tool/bake_mesh.h"
+#include "cagegen/tool/bake_options.h"
+#include "cagegen/tool/command.h"
+#include "cagegen/tool/flow_options.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
 
@@ -9,14 +17,6 @@
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "cagegen/cli/interrupt.h"
-#include "cagegen/cli/output_file.h"
-#include "cagegen/cli/progress.h"
-#include "cagegen/tool/bake_mesh.h"
-#include "cagegen/tool/bake_options.h"
-#include "cagegen/tool/command.h"
-#include "cagegen/tool/flow_options.h"
 
 namespace encage::tool {
 

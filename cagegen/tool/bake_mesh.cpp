@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/tool/bake_mesh.h"
 
+#include "cagegen/cli/cage_json.h"
+
 #include <encage/error.h>
+
 #include <sys/resource.h>
 
 #include <array>
 #include <cstddef>
-
-#include "cagegen/cli/cage_json.h"
 
 namespace encage::tool {
 

@@ -3,9 +3,10 @@
 
 #include <encage/bake.h>
 
+#include <nlohmann/json.hpp>
+
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
 namespace encage::tool {

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/cli/output_file.h"
+#include "cagegen/tool/bake_mesh.h"
+#include "cagegen/tool/command.h"
+#include "src/asset/view.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
 
@@ -11,11 +16,6 @@
 #include <optional>
 #include <span>
 #include <string>
-
-#include "cagegen/cli/output_file.h"
-#include "cagegen/tool/bake_mesh.h"
-#include "cagegen/tool/command.h"
-#include "src/asset/view.h"
 
 namespace encage::tool {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "cagegen/cli/program.h"
+
+#include <CLI/CLI.hpp>
 
 namespace encage::tool {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/tool/flow_options.h"
 
+#include "cagegen/tool/bake_mesh.h"
+#include "cagegen/tool/bake_options.h"
+
 #include <encage/error.h>
 
 #include <string>
-
-#include "cagegen/tool/bake_mesh.h"
-#include "cagegen/tool/bake_options.h"
 
 namespace encage::tool {
 

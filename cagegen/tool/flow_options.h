@@ -4,6 +4,7 @@
 #include <encage/bake.h>
 
 #include <CLI/CLI.hpp>
+
 #include <filesystem>
 #include <vector>
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/cli/cage_json.h"
+#include "cagegen/tool/command.h"
+
 #include <encage/asset.h>
 
 #include <cstdio>
@@ -6,9 +9,6 @@
 #include <iostream>
 #include <memory>
 #include <string>
-
-#include "cagegen/cli/cage_json.h"
-#include "cagegen/tool/command.h"
 
 namespace encage::tool {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/tool/command.h"
+
 #include <encage/error.h>
 #include <encage/version.h>
 
 #include <string>
-
-#include "cagegen/tool/command.h"
 
 namespace {
 

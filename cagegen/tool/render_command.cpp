@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/cli/is_asset.h"
+#include "cagegen/cli/output_file.h"
+#include "cagegen/render/arguments.h"
+#include "cagegen/render/levels.h"
+#include "cagegen/render/render.h"
+#include "cagegen/tool/command.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
 
@@ -8,13 +15,6 @@
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "cagegen/cli/is_asset.h"
-#include "cagegen/cli/output_file.h"
-#include "cagegen/render/arguments.h"
-#include "cagegen/render/levels.h"
-#include "cagegen/render/render.h"
-#include "cagegen/tool/command.h"
 
 namespace encage::tool {
 

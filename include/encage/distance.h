@@ -7,6 +7,7 @@
 #include <encage/separated.h>
 
 #include <Eigen/Core>
+
 #include <cstdint>
 #include <limits>
 

@@ -5,6 +5,7 @@
 #include <encage/export.h>
 
 #include <Eigen/Geometry>
+
 #include <cstdint>
 #include <filesystem>
 #include <vector>

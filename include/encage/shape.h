@@ -8,6 +8,7 @@
 #include <encage/export.h>
 
 #include <Eigen/Geometry>
+
 #include <cstdint>
 #include <filesystem>
 #include <memory>

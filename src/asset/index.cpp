@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "src/asset/index.h"
 
+#include "src/asset/glb.h"
+#include "src/asset/rules.h"
+#include "src/files/hash.h"
+
 #include <encage/error.h>
 
 #include <cmath>
 #include <cstring>
-
-#include "src/asset/glb.h"
-#include "src/asset/rules.h"
-#include "src/files/hash.h"
 
 namespace encage {
 namespace {

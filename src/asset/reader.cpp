@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <encage/asset.h>
-
 #include "src/asset/view.h"
+
+#include <encage/asset.h>
 
 namespace encage {
 

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "src/asset/view.h"
 
+#include "src/asset/glb.h"
+#include "src/asset/index.h"
+#include "src/asset/json.h"
+#include "src/files/hash.h"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -10,11 +15,6 @@
 #include <iterator>
 #include <set>
 #include <utility>
-
-#include "src/asset/glb.h"
-#include "src/asset/index.h"
-#include "src/asset/json.h"
-#include "src/files/hash.h"
 
 namespace encage {
 

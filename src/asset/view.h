@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "src/asset/rules.h"
+#include "src/files/file_image.h"
+#include "src/tree/mesh_arrays.h"
+
 #include <encage/asset.h>
 
 #include <cstddef>
@@ -10,10 +14,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "src/asset/rules.h"
-#include "src/files/file_image.h"
-#include "src/tree/mesh_arrays.h"
 
 namespace encage {
 

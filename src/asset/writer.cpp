@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "src/asset/writer.h"
 
+#include "src/asset/glb.h"
+#include "src/asset/index.h"
+#include "src/asset/json.h"
+#include "src/asset/rules.h"
+#include "src/asset/view.h"
+#include "src/files/atomic_file.h"
+#include "src/files/hash.h"
+#include "src/tree/mesh_arrays.h"
+
 #include <encage/asset.h>
 #include <encage/version.h>
 
@@ -12,15 +21,6 @@
 #include <cstring>
 #include <span>
 #include <vector>
-
-#include "src/asset/glb.h"
-#include "src/asset/index.h"
-#include "src/asset/json.h"
-#include "src/asset/rules.h"
-#include "src/asset/view.h"
-#include "src/files/atomic_file.h"
-#include "src/files/hash.h"
-#include "src/tree/mesh_arrays.h"
 
 namespace encage {
 namespace {

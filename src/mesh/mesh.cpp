@@ -3,6 +3,7 @@
 #include <encage/mesh.h>
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

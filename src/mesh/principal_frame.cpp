@@ -2,6 +2,7 @@
 #include "src/mesh/principal_frame.h"
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "src/asset/rules.h"
+#include "src/tree/mesh_tree.h"
+
 #include <encage/mesh.h>
 
 #include <array>
@@ -8,9 +11,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include "src/asset/rules.h"
-#include "src/tree/mesh_tree.h"
 
 // What queries need of a mesh, beside its vertices and triangles. Derived from
 // these alone; an asset stores it, so that loading builds nothing.

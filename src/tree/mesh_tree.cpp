@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "src/tree/mesh_tree.h"
 
+#include "src/tree/bvh.h"
+#include "src/tree/slab.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
-
-#include "src/tree/bvh.h"
-#include "src/tree/slab.h"
 
 namespace encage {
 namespace {

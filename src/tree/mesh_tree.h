@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "src/asset/rules.h"
+
 #include <encage/mesh.h>
 
 #include <array>
@@ -9,8 +11,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include "src/asset/rules.h"
 
 namespace encage {
 

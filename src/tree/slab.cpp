@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "src/tree/slab.h"
 
+#include "src/mesh/principal_frame.h"
+
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "src/mesh/principal_frame.h"
 
 namespace encage {
 namespace {

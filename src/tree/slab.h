@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "src/tree/mesh_tree.h"
+
 #include <encage/mesh.h>
 
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "src/tree/mesh_tree.h"
 
 namespace encage {
 

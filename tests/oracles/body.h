@@ -6,6 +6,7 @@
 #include <encage/shape.h>
 
 #include <Eigen/Geometry>
+
 #include <utility>
 
 namespace encage::test {

@@ -6,6 +6,7 @@
 #include <encage/mesh.h>
 
 #include <Eigen/Geometry>
+
 #include <array>
 #include <cstdint>
 #include <memory>

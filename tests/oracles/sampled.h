@@ -9,6 +9,7 @@
 #include <encage/shape.h>
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

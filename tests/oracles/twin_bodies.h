@@ -8,6 +8,7 @@
 #include <encage/shape.h>
 
 #include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <LinearMath/btTransform.h>
 
-#include <Eigen/Core>
 #include <limits>
 
 namespace encage::bullet {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/adapters/bullet/gimpact_mesh.h"
 
-#include <encage/fine_lease.h>
-
 #include "broadphase/adapters/bullet/convert.h"
 #include "broadphase/shape/shape.h"
 
 #include <encage/error.h>
+#include <encage/fine_lease.h>
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 

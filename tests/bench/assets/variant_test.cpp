@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/assets/variant.h"
 
+#include "bench/assets/base_mesh.h"
+#include "oracles/meshes.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <set>
 #include <tuple>
-
-#include "bench/assets/base_mesh.h"
-#include "oracles/meshes.h"
 
 namespace encage::assets {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/covers/compare.h"
+#include "bench/covers/report.h"
+#include "oracles/sample_shapes.h"
+#include "tests/bench/covers/crowd.h"
 
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
-
-#include "bench/covers/report.h"
-#include "oracles/sample_shapes.h"
-#include "tests/bench/covers/crowd.h"
 
 namespace encage::covers {
 namespace {

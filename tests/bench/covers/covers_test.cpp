@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Covers hold their mesh, and pairs of covers are judged as brute force does.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <limits>
-
 #include "bench/covers/ball_cover.h"
 #include "bench/covers/box_cover.h"
 #include "bench/covers/pair_lists.h"
 #include "oracles/sample_shapes.h"
 #include "src/tree/slab.h"
 #include "tests/bench/covers/crowd.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
 
 namespace encage::covers {
 namespace {

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/replay/engine.h"
+#include "bench/replay/mesh_shape.h"
+#include "oracles/exact_pair.h"
+#include "oracles/sample_shapes.h"
+
 #include <encage/poses.h>
+
 #include <gtest/gtest.h>
 
 #include <deque>
 #include <random>
 #include <string>
 #include <vector>
-
-#include "bench/replay/engine.h"
-#include "bench/replay/mesh_shape.h"
-#include "oracles/exact_pair.h"
-#include "oracles/sample_shapes.h"
 
 namespace encage::replay::test {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/continuous.h"
 
-#include <gtest/gtest.h>
-
 #include "oracles/meshes.h"
 #include "tests/bench/replay/bodies.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::replay {
 namespace {

@@ -2,14 +2,15 @@
 // Every engine against exact brute force.
 #include "bench/replay/engines.h"
 
+#include "oracles/meshes.h"
+#include "tests/bench/replay/bodies.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <vector>
-
-#include "oracles/meshes.h"
-#include "tests/bench/replay/bodies.h"
 
 namespace encage::replay {
 namespace {

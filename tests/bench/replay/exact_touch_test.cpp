@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/exact_touch.h"
 
+#include "oracles/meshes.h"
+#include "tests/bench/replay/bodies.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "oracles/meshes.h"
-#include "tests/bench/replay/bodies.h"
 
 namespace encage::replay {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/gate.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/bench/replay/bodies.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::replay {
 namespace {

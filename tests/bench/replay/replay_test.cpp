@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/replay.h"
 
+#include "tests/bench/replay/bodies.h"
+
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "tests/bench/replay/bodies.h"
 
 namespace encage::replay {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/detector.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "bench/tank/detector.h"
 
 namespace encage::tank {
 

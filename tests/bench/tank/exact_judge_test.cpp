@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/exact_judge.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/bench/tank/tank_scenes.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::tank {
 namespace {

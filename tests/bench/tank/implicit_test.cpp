@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/implicit.h"
 
+#include "bench/tank/octopus_shape.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
-
-#include "bench/tank/octopus_shape.h"
 
 namespace encage::tank {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/kdop_tree.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/bench/tank/swept_meshes.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::tank {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/mass.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "bench/tank/octopus.h"
 #include "oracles/meshes.h"
 #include "src/mesh/portable_trig.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
 
 namespace encage::tank {
 namespace {

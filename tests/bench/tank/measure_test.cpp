@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/measure.h"
 
+#include "tests/bench/tank/tank_scenes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +10,6 @@
 #include <set>
 #include <stdexcept>
 #include <vector>
-
-#include "tests/bench/tank/tank_scenes.h"
 
 namespace encage::tank {
 namespace {

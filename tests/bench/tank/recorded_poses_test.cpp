@@ -2,6 +2,7 @@
 #include "bench/tank/recorded_poses.h"
 
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/rigid_body.h"
 
+#include "oracles/meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "oracles/meshes.h"
 
 namespace encage::tank {
 namespace {

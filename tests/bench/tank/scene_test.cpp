@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/scene.h"
 
+#include "oracles/meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <limits>
-
-#include "oracles/meshes.h"
 
 namespace encage::tank {
 namespace {

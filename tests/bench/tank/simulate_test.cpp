@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/simulate.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "bench/tank/interpenetration.h"
 #include "oracles/meshes.h"
 #include "tests/bench/tank/ball_detector.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace encage::tank {
 namespace {

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/strategy.h"
 
+#include "tests/bench/tank/tank_scenes.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "tests/bench/tank/tank_scenes.h"
 
 namespace encage::tank {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/sweep.h"
 
+#include "tests/bench/tank/swept_meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
-
-#include "tests/bench/tank/swept_meshes.h"
 
 namespace encage::tank {
 namespace {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/sweep.h"
+
 #include <encage/mesh.h>
 #include <encage/separated.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +15,6 @@
 #include <random>
 #include <utility>
 #include <vector>
-
-#include "bench/tank/sweep.h"
 
 // Meshes in motion, and overlaps of swept triangles by brute force.
 namespace encage::tank::test {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/tank/strategy.h"
+#include "oracles/sample_shapes.h"
+#include "tests/bench/tank/swept_meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <random>
 #include <string>
 #include <utility>
-
-#include "bench/tank/strategy.h"
-#include "oracles/sample_shapes.h"
-#include "tests/bench/tank/swept_meshes.h"
 
 namespace encage::tank::test {
 

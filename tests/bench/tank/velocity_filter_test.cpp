@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/velocity_filter.h"
 
-#include <gtest/gtest.h>
-
 #include "bench/tank/scene.h"
 #include "oracles/meshes.h"
 #include "tests/bench/tank/ball_detector.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::tank {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program encage-micro, each bench run for a moment.
 
-#include <gtest/gtest.h>
+#include "tests/cagegen/tool/run.h"
 
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
 #include <set>
 #include <string>
 #include <vector>
-
-#include "tests/cagegen/tool/run.h"
 
 namespace encage::test {
 namespace {

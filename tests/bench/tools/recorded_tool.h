@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "tests/cagegen/tool/meshes.h"
+#include "tests/cagegen/tool/run.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "tests/cagegen/tool/meshes.h"
-#include "tests/cagegen/tool/run.h"
 
 namespace encage::test {
 

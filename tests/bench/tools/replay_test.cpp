@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program encage-replay, and what it loads.
 
-#include <encage/asset.h>
-#include <encage/bake.h>
-#include <encage/error.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
-
 #include "bench/replay/mesh_shape.h"
 #include "oracles/meshes.h"
 #include "tests/cagegen/tool/meshes.h"
 #include "tests/cagegen/tool/run.h"
+
+#include <encage/asset.h>
+#include <encage/bake.h>
+#include <encage/error.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace encage::test {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program encage-threads.
 
-#include <nlohmann/json.hpp>
-
 #include "tests/bench/tools/recorded_tool.h"
+
+#include <nlohmann/json.hpp>
 
 namespace encage::test {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program encage-twins, run on few pairs.
 
-#include <gtest/gtest.h>
+#include "tests/cagegen/tool/run.h"
 
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
-
-#include "tests/cagegen/tool/run.h"
 
 namespace encage::test {
 namespace {

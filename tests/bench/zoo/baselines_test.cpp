@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/baselines.h"
 
-#include <gtest/gtest.h>
-
 #include "bench/zoo/plain_methods.h"
 #include "oracles/meshes.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::zoo {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/clean.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/cagegen/tool/meshes.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::zoo {
 namespace {

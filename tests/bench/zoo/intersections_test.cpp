@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/intersections.h"
 
-#include <encage/bake.h>
-#include <gtest/gtest.h>
-
 #include "cagegen/certify/certify.h"
 #include "oracles/meshes.h"
+
+#include <encage/bake.h>
+
+#include <gtest/gtest.h>
 
 namespace encage::zoo {
 namespace {

@@ -2,6 +2,7 @@
 #include "bench/zoo/isolated.h"
 
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/triplets.h"
 
+#include "oracles/meshes.h"
+#include "tests/cagegen/tool/meshes.h"
+#include "tests/cagegen/tool/run.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,10 +17,6 @@
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "oracles/meshes.h"
-#include "tests/cagegen/tool/meshes.h"
-#include "tests/cagegen/tool/run.h"
 
 namespace encage::zoo {
 namespace {

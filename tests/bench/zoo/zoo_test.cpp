@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/zoo.h"
 
+#include "tests/cagegen/tool/meshes.h"
+#include "tests/cagegen/tool/run.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-
-#include "tests/cagegen/tool/meshes.h"
-#include "tests/cagegen/tool/run.h"
 
 namespace encage::zoo {
 namespace {

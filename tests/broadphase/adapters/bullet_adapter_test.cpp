@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "oracles/meshes.h"
 #include "tests/broadphase/adapters/bullet_world.h"
 
-#include "oracles/meshes.h"
-
-#include <gtest/gtest.h>
-
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <gtest/gtest.h>
 
 #include <limits>
 #include <random>

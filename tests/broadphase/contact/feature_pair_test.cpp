@@ -3,8 +3,8 @@
 
 #include "oracles/exact_ccd.h"
 
-#include <gtest/gtest.h>
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>

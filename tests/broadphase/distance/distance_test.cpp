@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <encage/distance.h>
-
 #include "oracles/body.h"
 #include "oracles/count_allocations.h"
 #include "oracles/meshes.h"
 #include "oracles/sampled.h"
 #include "tests/broadphase/separation/ask_pairs.h"
+
+#include <encage/distance.h>
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include "oracles/lanes.h"
 #include "oracles/sampled.h"
 
-#include <gtest/gtest.h>
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>

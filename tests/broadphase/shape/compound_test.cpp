@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "broadphase/shape/compound.h"
+
 #include "broadphase/motion/frame.h"
 #include "oracles/body.h"
 #include "oracles/count_allocations.h"

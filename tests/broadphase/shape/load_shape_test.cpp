@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "broadphase/shape/shape.h"
-
 #include "oracles/meshes.h"
 #include "oracles/sampled.h"
 #include "tests/src/asset/forge.h"

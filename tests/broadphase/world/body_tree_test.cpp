@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "broadphase/world/body_tree.h"
+
 #include "oracles/count_allocations.h"
 
 #include <gtest/gtest.h>

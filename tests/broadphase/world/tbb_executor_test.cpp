@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <encage/tbb_executor.h>
-
 #include "tests/broadphase/world/twin.h"
+
+#include <encage/tbb_executor.h>
 
 #include <oneapi/tbb/global_control.h>
 

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The method flow and its competition with collapse.
+#include "oracles/meshes.h"
+#include "tests/cagegen/bake/certified.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include "oracles/meshes.h"
-#include "tests/cagegen/bake/certified.h"
 
 namespace encage {
 namespace {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "oracles/meshes.h"
+#include "tests/cagegen/bake/certified.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,9 +20,6 @@
 #include <string>
 #include <thread>
 #include <vector>
-
-#include "oracles/meshes.h"
-#include "tests/cagegen/bake/certified.h"
 
 namespace encage {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

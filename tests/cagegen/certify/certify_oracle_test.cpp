@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The certificate against a slow, independent route: CGAL's lazy exact kernel on all
 // pairs, its Side_of_triangle_mesh and its Polygon_mesh_processing.
+#include "cagegen/certify/exact.h"
+#include "oracles/meshes.h"
+
+#include <encage/bake.h>
+
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Surface_mesh.h>
-#include <encage/bake.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,9 +21,6 @@
 #include <set>
 #include <string>
 #include <vector>
-
-#include "cagegen/certify/exact.h"
-#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/certify/certify.h"
 
+#include "oracles/meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <string>
-
-#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "oracles/meshes.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
-
-#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/certify/connectivity.h"
 
-#include <gtest/gtest.h>
-
 #include "oracles/meshes.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::proof {
 namespace {

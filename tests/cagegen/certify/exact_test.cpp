@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/certify/exact.h"
 
+#include "oracles/meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include "oracles/meshes.h"
 
 namespace encage::proof {
 namespace {

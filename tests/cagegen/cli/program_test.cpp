@@ -2,6 +2,7 @@
 #include "cagegen/cli/program.h"
 
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <filesystem>

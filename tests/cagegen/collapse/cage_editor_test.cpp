@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/collapse/cage_editor.h"
 
+#include "cagegen/collapse/starts.h"
+#include "src/mesh/rounding.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
-
-#include "cagegen/collapse/starts.h"
-#include "src/mesh/rounding.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

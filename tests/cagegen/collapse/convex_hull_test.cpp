@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/collapse/convex_hull.h"
 
+#include "cagegen/certify/certify.h"
+#include "cagegen/geometry/separation.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <memory>
 #include <vector>
-
-#include "cagegen/certify/certify.h"
-#include "cagegen/geometry/separation.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/collapse/starts.h"
 
+#include "cagegen/certify/connectivity.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <string>
 #include <thread>
 #include <vector>
-
-#include "cagegen/certify/connectivity.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/contact/contact_solver.h"
 
+#include "tests/cagegen/contact/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <stdexcept>
-
-#include "tests/cagegen/contact/shapes.h"
 
 namespace encage::makers {
 namespace {

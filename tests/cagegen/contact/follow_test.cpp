@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/contact/contact_solver.h"
+#include "tests/cagegen/contact/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
-#include "cagegen/contact/contact_solver.h"
-#include "tests/cagegen/contact/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/contact/minimize.h"
 
+#include "cagegen/collapse/collapse.h"
+#include "cagegen/collapse/starts.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 #include <string>
-
-#include "cagegen/collapse/collapse.h"
-#include "cagegen/collapse/starts.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

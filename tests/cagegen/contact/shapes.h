@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/certify/separation.h"
+#include "cagegen/contact/contact_solver.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include "cagegen/certify/separation.h"
-#include "cagegen/contact/contact_solver.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 // Cages around obstacles, and what is expected of where contacts leave them.
 namespace encage::makers::shapes {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/decimate/decimate.h"
 
+#include "cagegen/decimate/self_contact.h"
+#include "tests/cagegen/decimate/shapes.h"
+
 #include <encage/decimator.h>
 #include <encage/error.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
-
-#include "cagegen/decimate/self_contact.h"
-#include "tests/cagegen/decimate/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/decimate/edge_collapse.h"
 
-#include <encage/error.h>
-
 #include "cagegen/decimate/self_contact.h"
 #include "tests/cagegen/decimate/shapes.h"
+
+#include <encage/error.h>
 
 namespace encage::makers {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/decimate/self_contact.h"
 
-#include <algorithm>
-
 #include "cagegen/decimate/decimate.h"
 #include "tests/cagegen/decimate/shapes.h"
+
+#include <algorithm>
 
 namespace encage::makers {
 namespace {

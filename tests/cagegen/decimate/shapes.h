@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <encage/bake.h>
-#include <gtest/gtest.h>
-
 #include "cagegen/certify/certify.h"
 #include "cagegen/certify/connectivity.h"
 #include "tests/cagegen/geometry/shapes.h"
+
+#include <encage/bake.h>
+
+#include <gtest/gtest.h>
 
 namespace encage::makers::shapes {
 

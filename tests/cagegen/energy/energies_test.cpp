@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/energy/vertex_areas.h"
+#include "oracles/meshes.h"
+
 #include <encage/energy.h>
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "cagegen/energy/vertex_areas.h"
-#include "oracles/meshes.h"
 
 namespace encage {
 namespace {

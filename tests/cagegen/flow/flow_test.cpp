@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/flow/flow.h"
 
+#include "cagegen/certify/separation.h"
+#include "cagegen/flow/signed_distance.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <map>
-
-#include "cagegen/certify/separation.h"
-#include "cagegen/flow/signed_distance.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

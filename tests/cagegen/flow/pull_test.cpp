@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/flow/pull.h"
 
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/flow/signed_distance.h"
 
+#include "cagegen/geometry/closest.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <thread>
-
-#include "cagegen/geometry/closest.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/geometry/closest.h"
 
+#include "cagegen/certify/separation.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "cagegen/certify/separation.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/geometry/obstacle.h"
 
+#include "cagegen/certify/separation.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include "cagegen/certify/separation.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/geometry/qp3.h"
 
-#include <gtest/gtest.h>
+#include "tests/cagegen/geometry/shapes.h"
 
 #include <Eigen/LU>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <vector>
-
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/geometry/separation.h"
 
+#include "cagegen/certify/exact.h"
+#include "cagegen/certify/separation.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <vector>
-
-#include "cagegen/certify/exact.h"
-#include "cagegen/certify/separation.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 // The certificate's exact predicates, with which the makers share no code, are the reference.
 namespace encage::makers {

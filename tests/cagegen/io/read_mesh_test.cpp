@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/cagegen/io/shapes.h"
+
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
-
-#include "tests/cagegen/io/shapes.h"
 
 namespace encage {
 namespace {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "oracles/meshes.h"
+
 #include <encage/mesh.h>
+
 #include <unistd.h>
 
 #include <filesystem>
@@ -11,8 +14,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "oracles/meshes.h"
 
 // Meshes and files that the tests of this folder make.
 

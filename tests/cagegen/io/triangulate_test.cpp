@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/cagegen/io/shapes.h"
+
+#include <encage/bake.h>
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/polygon_soup_io.h>
-#include <encage/bake.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
-
-#include "tests/cagegen/io/shapes.h"
 
 namespace encage {
 namespace {

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/nested_level.h"
 
+#include "cagegen/contact/minimize.h"
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <string>
 #include <vector>
-
-#include "cagegen/contact/minimize.h"
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

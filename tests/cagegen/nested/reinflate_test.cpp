@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/nested/reinflate.h"
 
+#include "tests/cagegen/geometry/shapes.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
-
-#include "tests/cagegen/geometry/shapes.h"
 
 namespace encage::makers {
 namespace {

@@ -2,6 +2,7 @@
 #include "cagegen/render/arguments.h"
 
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <string>

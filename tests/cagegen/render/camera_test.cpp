@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/render/camera.h"
 
+#include "src/mesh/portable_trig.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "src/mesh/portable_trig.h"
 
 namespace encage::render {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/render/levels.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/cagegen/render/shapes.h"
+
+#include <gtest/gtest.h>
 
 namespace encage::render {
 namespace {

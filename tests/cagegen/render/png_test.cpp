@@ -2,6 +2,7 @@
 #include "cagegen/render/png.h"
 
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 #include <png.h>
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/render/render.h"
 
+#include "cagegen/render/levels.h"
+#include "tests/cagegen/render/shapes.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
-
-#include "cagegen/render/levels.h"
-#include "tests/cagegen/render/shapes.h"
 
 namespace encage::render {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/render/section.h"
 
+#include "tests/cagegen/render/shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <utility>
-
-#include "tests/cagegen/render/shapes.h"
 
 namespace encage::render {
 namespace {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "tests/cagegen/io/shapes.h"
+
 #include <encage/bake.h>
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,8 +13,6 @@
 #include <map>
 #include <random>
 #include <set>
-
-#include "tests/cagegen/io/shapes.h"
 
 namespace encage {
 namespace {

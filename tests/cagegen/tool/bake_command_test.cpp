@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/cagegen/tool/command_fixture.h"
+
 #include <encage/asset.h>
+
+#include <nlohmann/json.hpp>
 #include <signal.h>
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include "tests/cagegen/tool/command_fixture.h"
 
 namespace encage::test {
 namespace {

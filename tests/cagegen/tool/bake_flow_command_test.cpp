@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The options of the flow in `encage bake`.
+#include "oracles/meshes.h"
+#include "tests/cagegen/tool/command_fixture.h"
+
 #include <encage/asset.h>
 
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
-
-#include "oracles/meshes.h"
-#include "tests/cagegen/tool/command_fixture.h"
 
 namespace encage::test {
 namespace {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include "tests/cagegen/tool/command_fixture.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
 
 namespace encage::test {
 namespace {

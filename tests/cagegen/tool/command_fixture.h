@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "tests/cagegen/tool/meshes.h"
+#include "tests/cagegen/tool/run.h"
+
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
-
-#include "tests/cagegen/tool/meshes.h"
-#include "tests/cagegen/tool/run.h"
 
 namespace encage::test {
 

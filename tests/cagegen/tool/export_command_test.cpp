@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/cagegen/tool/command_fixture.h"
+
 #include <encage/asset.h>
 #include <encage/bake.h>
 
 #include <string>
-
-#include "tests/cagegen/tool/command_fixture.h"
 
 namespace encage::test {
 namespace {

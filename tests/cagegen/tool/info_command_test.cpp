@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/cagegen/tool/command_fixture.h"
+
 #include <encage/asset.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
-#include <string>
 
-#include "tests/cagegen/tool/command_fixture.h"
+#include <cstdio>
+#include <string>
 
 namespace encage::test {
 namespace {

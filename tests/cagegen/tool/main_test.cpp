@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/cagegen/tool/command_fixture.h"
+
 #include <encage/version.h>
 
 #include <string>
-
-#include "tests/cagegen/tool/command_fixture.h"
 
 namespace encage::test {
 namespace {

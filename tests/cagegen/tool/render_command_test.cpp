@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <string>
-
 #include "tests/cagegen/tool/command_fixture.h"
+
+#include <string>
 
 namespace encage::test {
 namespace {

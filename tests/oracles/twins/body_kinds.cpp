@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Queries about two bodies.
+#include "oracles/twins/scenes.h"
+
 #include <encage/world.h>
 
 #include <string>
 #include <vector>
-
-#include "oracles/twins/scenes.h"
 
 namespace encage::twins {
 

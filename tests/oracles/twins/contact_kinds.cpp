@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times of first contact, and half-spaces.
+#include "oracles/exact_pair.h"
+#include "oracles/twins/scenes.h"
+
 #include <encage/contact.h>
 
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <sstream>
-
-#include "oracles/exact_pair.h"
-#include "oracles/twins/scenes.h"
 
 namespace encage::twins {
 

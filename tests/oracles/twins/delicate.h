@@ -3,10 +3,10 @@
 
 // Triangles and places that are hard on rounding.
 
-#include <Eigen/Core>
-
 #include "broadphase/separation/triangle_pair.h"
 #include "oracles/twin_bodies.h"
+
+#include <Eigen/Core>
 
 namespace encage::twins {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Distances of bodies and of triangles: bounds have to hold to the last place.
+#include "broadphase/distance/triangle_distance.h"
+#include "oracles/exact_pair.h"
+#include "oracles/twins/delicate.h"
+#include "oracles/twins/scenes.h"
+
 #include <encage/distance.h>
 
 #include <cmath>
 #include <limits>
 #include <sstream>
-
-#include "broadphase/distance/triangle_distance.h"
-#include "oracles/exact_pair.h"
-#include "oracles/twins/delicate.h"
-#include "oracles/twins/scenes.h"
 
 namespace encage::twins {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Vertex and face, edge and edge: their first contact.
+#include "oracles/exact_ccd.h"
+#include "oracles/twins/pair_kind.h"
+
 #include <encage/contact.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <sstream>
-
-#include "oracles/exact_ccd.h"
-#include "oracles/twins/pair_kind.h"
 
 namespace encage::twins {
 

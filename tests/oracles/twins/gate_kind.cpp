@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The gate of boxes of two trees.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "broadphase/separation/box_gate.h"
 #include "oracles/meshes.h"
 #include "oracles/sample_trees.h"
 #include "oracles/sampled.h"
 #include "oracles/twins/pair_kind.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
 
 namespace encage::twins {
 

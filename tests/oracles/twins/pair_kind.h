@@ -3,12 +3,12 @@
 
 // Pair tests against brute force: random and adversarial pairs, of which the truth is known exactly.
 
+#include "oracles/twin_bodies.h"
+
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "oracles/twin_bodies.h"
 
 namespace encage::twins {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points in solids.
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "broadphase/separation/containment.h"
 #include "oracles/exact_pair.h"
 #include "oracles/meshes.h"
 #include "oracles/twins/pair_kind.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace encage::twins {
 

@@ -3,15 +3,15 @@
 
 // Two bodies at rest or during a step, most of them where the answer of some query changes; and the truth about them.
 
+#include "oracles/twin_bodies.h"
+#include "oracles/twins/pair_kind.h"
+
 #include <encage/separated.h>
 
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
-
-#include "oracles/twin_bodies.h"
-#include "oracles/twins/pair_kind.h"
 
 namespace encage::twins {
 

@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The tests of two triangles, at rest and moving.
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <sstream>
-
 #include "oracles/exact_pair.h"
 #include "oracles/exact_sweep.h"
 #include "oracles/lanes.h"
@@ -13,6 +7,13 @@
 #include "oracles/twins/delicate.h"
 #include "oracles/twins/pair_kind.h"
 #include "oracles/twins/triangle_truth.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
 
 namespace encage::twins {
 

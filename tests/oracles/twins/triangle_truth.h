@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
-
 #include "oracles/exact_sweep.h"
+
+#include <cstdint>
 
 namespace encage::twins {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <memory>
-#include <optional>
-#include <vector>
-
 #include "oracles/exact_pair.h"
 #include "oracles/exact_sweep.h"
 #include "oracles/twins/scenes.h"
 #include "oracles/twins/triangle_truth.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace encage::twins {
 

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "src/asset/glb.h"
+#include "src/asset/index.h"
+#include "src/asset/rules.h"
+#include "src/files/hash.h"
+
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,14 +17,8 @@
 #include <functional>
 #include <memory>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
-
-#include "src/asset/glb.h"
-#include "src/asset/index.h"
-#include "src/asset/rules.h"
-#include "src/files/hash.h"
 
 namespace encage {
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/asset/glb.h"
 
-#include <encage/error.h>
-#include <gtest/gtest.h>
-
 #include "tests/src/asset/forge.h"
+
+#include <encage/error.h>
+
+#include <gtest/gtest.h>
 
 namespace encage {
 namespace {

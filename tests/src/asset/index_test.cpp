@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/asset/index.h"
 
+#include "src/asset/view.h"
+#include "src/asset/writer.h"
+#include "tests/src/asset/forge.h"
+#include "tests/src/asset/sample.h"
+
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
-
-#include "src/asset/view.h"
-#include "src/asset/writer.h"
-#include "tests/src/asset/forge.h"
-#include "tests/src/asset/sample.h"
 
 namespace encage {
 namespace {

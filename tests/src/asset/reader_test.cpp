@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "src/asset/writer.h"
+#include "tests/src/asset/forge.h"
+#include "tests/src/asset/sample.h"
+
 #include <encage/asset.h>
+
 #include <gtest/gtest.h>
 
 #include <utility>
 #include <vector>
-
-#include "src/asset/writer.h"
-#include "tests/src/asset/forge.h"
-#include "tests/src/asset/sample.h"
 
 namespace encage {
 namespace {

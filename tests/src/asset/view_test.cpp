@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/asset/view.h"
 
+#include "src/asset/writer.h"
+#include "tests/src/asset/forge.h"
+#include "tests/src/asset/sample.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
-
-#include "src/asset/writer.h"
-#include "tests/src/asset/forge.h"
-#include "tests/src/asset/sample.h"
 
 namespace encage {
 namespace {

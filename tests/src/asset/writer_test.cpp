@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/asset/writer.h"
 
+#include "tests/src/asset/forge.h"
+#include "tests/src/asset/sample.h"
+
 #include <encage/asset.h>
 #include <encage/version.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include "tests/src/asset/forge.h"
-#include "tests/src/asset/sample.h"
 
 namespace encage {
 namespace {

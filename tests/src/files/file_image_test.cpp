@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/files/file_image.h"
 
+#include "tests/src/asset/forge.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,8 +12,6 @@
 #include <filesystem>
 #include <string>
 #include <utility>
-
-#include "tests/src/asset/forge.h"
 
 namespace encage {
 namespace {

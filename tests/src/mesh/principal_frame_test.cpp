@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/mesh/principal_frame.h"
 
-#include <gtest/gtest.h>
+#include "oracles/meshes.h"
 
 #include <Eigen/Geometry>
-
-#include "oracles/meshes.h"
+#include <gtest/gtest.h>
 
 namespace encage {
 namespace {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/tree/mesh_arrays.h"
 
+#include "oracles/meshes.h"
+#include "tests/src/asset/forge.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,9 +14,6 @@
 #include <set>
 #include <utility>
 #include <vector>
-
-#include "oracles/meshes.h"
-#include "tests/src/asset/forge.h"
 
 namespace encage {
 namespace {

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/tree/mesh_tree.h"
 
+#include "oracles/meshes.h"
+#include "src/tree/mesh_arrays.h"
+#include "tests/src/asset/forge.h"
+
 #include <encage/error.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,10 +20,6 @@
 #include <tuple>
 #include <utility>
 #include <vector>
-
-#include "oracles/meshes.h"
-#include "src/tree/mesh_arrays.h"
-#include "tests/src/asset/forge.h"
 
 namespace encage {
 namespace {

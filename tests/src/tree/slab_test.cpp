@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "src/tree/slab.h"
 
+#include "oracles/meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +10,6 @@
 #include <limits>
 #include <numeric>
 #include <vector>
-
-#include "oracles/meshes.h"
 
 namespace encage {
 namespace {
