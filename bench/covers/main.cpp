@@ -67,7 +67,7 @@ int run(const Arguments& a) {
   }
   const std::vector<PoseStep> poses = read_poses(a.poses);
   const ShapePtr shape = load_shape(a.asset);
-  if (shape->fine.empty()) throw Error(a.asset.string() + ": holds no fine mesh");
+  if (shape->simple().fine.empty()) throw Error(a.asset.string() + ": holds no fine mesh");
   const PairLists resting = make_pairs(*shape, poses, a.every, false);
   const PairLists moving = make_pairs(*shape, poses, a.every, true);
   const Contestants contestants = make_contestants(*shape, a.sizes);

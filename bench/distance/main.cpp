@@ -115,7 +115,7 @@ int run(const Arguments& a) {
   }
   const std::vector<PoseStep> poses = read_poses(a.poses);
   const ShapePtr shape = load_shape(a.asset);
-  if (shape->fine.empty()) throw Error(a.asset.string() + ": holds no fine mesh");
+  if (shape->simple().fine.empty()) throw Error(a.asset.string() + ": holds no fine mesh");
   const TriangleMesh mesh = fine_mesh(*shape);
   const std::vector<PairClass> pairs =
       make_pairs(*shape, bounds(mesh).diagonal().norm(), poses, a.every, static_cast<std::size_t>(a.pairs));

@@ -95,8 +95,8 @@ TEST(Covers, HoldEveryTriangle) {
     SCOPED_TRACE(sample.name);
     const ShapePtr shape = make_shape(sample.hierarchy);
     for (const std::int64_t size : {1, 20, 100, 1'000'000}) {
-      expect_covered<BallCover>(shape->fine, size);
-      expect_covered<BoxCover>(shape->fine, size);
+      expect_covered<BallCover>(shape->simple().fine, size);
+      expect_covered<BoxCover>(shape->simple().fine, size);
     }
   }
 }
@@ -104,10 +104,10 @@ TEST(Covers, HoldEveryTriangle) {
 TEST(Covers, AreAsLargeAsAsked) {
   const ShapePtr shape = make_shape(encage::test::large_sample_shapes(0).front().hierarchy);
   for (const std::int64_t size : {20, 100, 200}) {
-    const BallCover balls(shape->fine, size);
+    const BallCover balls(shape->simple().fine, size);
     EXPECT_EQ(balls.balls(), size);
     EXPECT_EQ(last_balls(balls).size(), static_cast<std::size_t>(size));
-    const BoxCover boxes(shape->fine, size);
+    const BoxCover boxes(shape->simple().fine, size);
     EXPECT_GE(boxes.boxes(), size);
     EXPECT_LT(boxes.boxes(), size + MeshNode::width);
   }
@@ -135,7 +135,7 @@ double least_gap(const std::vector<LastBall>& balls, const PairMotion& motion) {
 
 TEST(BallCovers, AreApartWhereBruteForceSaysSo) {
   const ShapePtr shape = make_shape(encage::test::large_sample_shapes(0).front().hierarchy);
-  const BallCover cover(shape->fine, 60);
+  const BallCover cover(shape->simple().fine, 60);
   const std::vector<LastBall> balls = last_balls(cover);
   for (const bool moving : {false, true}) {
     int apart = 0, near = 0;
@@ -159,7 +159,7 @@ TEST(Covers, SayMaybeWhereNothingIsProven) {
   const ShapePtr shape = make_shape(encage::test::large_sample_shapes(0).front().hierarchy);
   const Motion here = Motion::resting(Eigen::Isometry3d::Identity());
   const Motion far = Motion::resting(Eigen::Isometry3d(Eigen::Translation3d(100, 0, 0)));
-  const BallCover cover(shape->fine, 60);
+  const BallCover cover(shape->simple().fine, 60);
   EXPECT_TRUE(covers_apart(cover, cover, pair_motion(*shape, here, *shape, far), 1));
   EXPECT_FALSE(covers_apart(cover, cover, pair_motion(*shape, here, *shape, far), 101));
   EXPECT_FALSE(covers_apart(cover, cover, pair_motion(*shape, here, *shape, far), 1e20));

@@ -26,44 +26,6 @@ Pose turned(double angle, const Vector& axis, const Vector& at = Vector::Zero())
   return pose;
 }
 
-TEST(UsableMotions, TurnBelow180Degrees) {
-  shapes::Random random(1);
-  for (int i = 0; i < 200; ++i) {
-    const Pose start = random_pose(random, 100);
-    const Vector axis = random_direction(random);
-    const auto usable = [&](double angle) {
-      return is_usable(Motion{start, start * turned(angle * degree, axis)}) &&
-             is_usable(Motion{start * turned(angle * degree, axis), start});
-    };
-    EXPECT_TRUE(usable(0));
-    EXPECT_TRUE(usable(90));
-    EXPECT_TRUE(usable(179.9));
-    EXPECT_FALSE(usable(179.99));
-    EXPECT_FALSE(usable(180));
-    EXPECT_TRUE(usable(180.2));  // 179.8 the other way
-  }
-  EXPECT_FALSE(is_usable(Motion{Pose::Identity(), Pose(Eigen::Vector3d(-1, -1, 1).asDiagonal())}));
-}
-
-TEST(UsableMotions, AreFiniteAndRigid) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-  for (const bool at_start : {false, true}) {
-    const auto usable = [&](auto&& spoil) {
-      Motion motion;
-      spoil(at_start ? motion.start : motion.end);
-      return is_usable(motion);
-    };
-    EXPECT_TRUE(usable([](Pose& p) { p.translation().x() = 1e150; }));
-    EXPECT_TRUE(usable([](Pose& p) { p.linear() *= 1 + 2e-10; }));
-    for (const double bad : {nan, infinity, -infinity, 1e151}) {
-      EXPECT_FALSE(usable([&](Pose& p) { p.translation().y() = bad; })) << bad;
-      EXPECT_FALSE(usable([&](Pose& p) { p.linear()(1, 2) = bad; })) << bad;
-    }
-    EXPECT_FALSE(usable([](Pose& p) { p.linear() *= 1 + 1e-9; }));
-    EXPECT_FALSE(usable([](Pose& p) { p.linear()(0, 1) = 1e-8; }));
-  }
-}
-
 /// Where a point of the body frame truly is: `pivot` on its straight path, turning at uniform angular velocity.
 Point on_arc(const Motion& motion, const Vector& pivot, const Point& x, Real t) {
   using Rotation = Eigen::AngleAxis<Real>;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "broadphase/motion/frame.h"
+#include "broadphase/shape/world_box.h"
 
 #include "broadphase/motion/turned_box.h"
 #include "broadphase/shape/compound.h"
+#include "src/limits.h"
 
 #include <algorithm>
 #include <array>
@@ -12,27 +13,27 @@
 namespace encage {
 namespace {
 
-// Twice the unit roundoff: the bounds below are counted in it, with room to spare.
-constexpr double eps = std::numeric_limits<double>::epsilon();
-
 /// Covers the rounding of a world coordinate and the error of the fine vertices.
-double world_slack(const Shape& shape, const Placement& at, double radius) {
-  const double size = at.scale * (radius + shape.origin.norm()) + at.pose.translation().norm();
-  return 32 * eps * size + (1 + 1e-8) * at.scale * shape.outer_error();
+double world_slack(const SimpleShape& shape, const Placement& at, double radius) {
+  const double size = at.scale * (radius + shape.frame.origin.norm()) + at.pose.translation().norm();
+  return 32 * eps * size + shape.error_in_world(at.scale);
+}
+
+/// The union of the boxes of few parts; the box of the turned box of many.
+Eigen::AlignedBox3d compound_box(const CompoundShape& compound, const Motion& motion) noexcept {
+  constexpr std::size_t few = 32;
+  if (compound.parts.size() > few) return swept_box(compound.nodes.front().box, motion);
+  Eigen::AlignedBox3d all;
+  for (std::size_t i = 0; i < compound.parts.size(); ++i) {
+    const MovingPart part = moving_part(compound, i, motion);
+    const Eigen::AlignedBox3d box = world_box(*part.shape, part.motion);
+    all.extend(box.min() - Eigen::Vector3d::Constant(part.slack))
+        .extend(box.max() + Eigen::Vector3d::Constant(part.slack));
+  }
+  return all;
 }
 
 }  // namespace
-
-double departure_from_rigid(const Eigen::Matrix3d& linear) noexcept {
-  // Entries of the product are off by at most 3 eps for lengths near 1; the
-  // Frobenius norm of nine such errors stays below 16 eps.
-  return (linear.transpose() * linear - Eigen::Matrix3d::Identity()).norm() * (1 + 16 * eps) + 16 * eps;
-}
-
-bool is_usable(const Eigen::Isometry3d& pose) noexcept {
-  return pose.translation().cwiseAbs().maxCoeff() <= largest_length && pose.translation().allFinite() &&
-         departure_from_rigid(pose.linear()) <= 1e-9;
-}
 
 // A box is skipped if its bound is no larger than one at hand; both carry that error.
 double support(const Surface& surface, const Eigen::Vector3d& n, double tolerance) noexcept {
@@ -84,43 +85,9 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
   return bound;
 }
 
-bool is_usable(const Motion& motion) noexcept {
-  if (!is_usable(motion.start) || !is_usable(motion.end)) return false;
-  if (!(motion.scale >= 1e-50 && motion.scale <= 1e50)) return false;
-  // 1 + 2 cos of the angle between the poses; off by no more than their departure from rigid and rounding.
-  return (motion.start.linear().transpose() * motion.end.linear()).trace() > -1 + 1e-6;
-}
-
-// Large coordinates that both have cancel first.
-Eigen::Vector3d origin_offset(const Shape& a, const Placement& at_a, const Shape& b, const Placement& at_b) noexcept {
-  return (at_b.pose.translation() - at_a.pose.translation()) +
-         (at_b.pose.linear() * (at_b.scale * b.origin) - at_a.pose.linear() * (at_a.scale * a.origin));
-}
-
-PairFrame relative_frame(const Shape& a, const Placement& at_a, const Shape& b, const Placement& at_b) noexcept {
-  const Eigen::Matrix3d to_a = at_a.pose.linear().transpose();
-  return {to_a * at_b.pose.linear(), to_a * origin_offset(a, at_a, b, at_b)};
-}
-
-double required_distance(const Shape& a, const Placement& at_a, const Shape& b, const Placement& at_b,
-                         double margin) noexcept {
-  const double size = at_a.scale * (a.radius + a.origin.norm()) + at_b.scale * (b.radius + b.origin.norm()) +
-                      at_a.pose.translation().norm() + at_b.pose.translation().norm();
-  const double departure = departure_from_rigid(at_a.pose.linear()) + departure_from_rigid(at_b.pose.linear());
-  return margin * (1 + 64 * eps + 4 * departure) + (256 * eps + 32 * departure) * size;
-}
-
-bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, double margin) noexcept {
-  if (a.isEmpty() || b.isEmpty()) return false;
-  const Eigen::Array3d gap = (b.min() - a.max()).array().max((a.min() - b.max()).array()).max(0.0);
-  // Each gap and the norm are off by a few eps relatively.
-  const double largest = gap.maxCoeff();
-  return largest > 0 && std::isfinite(largest) && (gap / largest).matrix().norm() * largest * (1 - 16 * eps) > margin;
-}
-
-Eigen::AlignedBox3d pose_box(const Shape& shape, const Placement& at) noexcept {
+Eigen::AlignedBox3d pose_box(const SimpleShape& shape, const Placement& at) noexcept {
   const Surface& surface = shape.outer();
-  const Eigen::Vector3d centre = at.origin(shape);
+  const Eigen::Vector3d centre = at.origin(shape.frame);
   Eigen::Vector3d low, high;
   double slack = world_slack(shape, at, surface.radius);
   if (!shape.outline.empty()) {
@@ -140,11 +107,12 @@ Eigen::AlignedBox3d pose_box(const Shape& shape, const Placement& at) noexcept {
 }
 
 Eigen::AlignedBox3d ball_box(const Shape& shape, const Placement& at) noexcept {
-  if (!shape.parts.empty()) return turned_box(shape.part_nodes.front().box, at.pose, at.scale);
-  const double radius = shape.outer().radius;
-  const Eigen::Vector3d centre = at.origin(shape);
+  if (shape.is_compound()) return turned_box(shape.compound().nodes.front().box, at.pose, at.scale);
+  const SimpleShape& simple = shape.simple();
+  const double radius = simple.outer().radius;
+  const Eigen::Vector3d centre = at.origin(simple.frame);
   // Twice the slack of pose_box(): what contains the exact box contains the rounded one as well.
-  const double reach = at.scale * radius * (1 + 1e-8) + 2 * world_slack(shape, at, radius);
+  const double reach = at.scale * radius * (1 + 1e-8) + 2 * world_slack(simple, at, radius);
   return {centre.array() - reach, centre.array() + reach};
 }
 
@@ -157,9 +125,10 @@ Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept
 }
 
 Eigen::AlignedBox3d usable_box(const Shape& shape, const Motion& motion) noexcept {
-  if (!shape.parts.empty()) return compound_box(shape, motion);
-  const Eigen::AlignedBox3d start = pose_box(shape, {motion.start, motion.scale});
-  return motion.at_rest() ? start : start.merged(pose_box(shape, {motion.end, motion.scale}));
+  if (shape.is_compound()) return compound_box(shape.compound(), motion);
+  const SimpleShape& simple = shape.simple();
+  const Eigen::AlignedBox3d start = pose_box(simple, {motion.start, motion.scale});
+  return motion.at_rest() ? start : start.merged(pose_box(simple, {motion.end, motion.scale}));
 }
 
 }  // namespace encage
