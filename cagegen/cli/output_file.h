@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <encage/cage.h>
-
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
@@ -20,9 +18,5 @@ std::filesystem::path default_asset(const std::filesystem::path& input);
 
 /// Indented, with a newline at the end; atomically.
 void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json);
-
-/// Writes the asset and reads it back before it takes its name: what was
-/// certified is what stands in the file, bit by bit. Throws Error.
-void write_certified_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy);
 
 }  // namespace encage::tool

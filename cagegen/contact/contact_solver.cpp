@@ -3,11 +3,12 @@
 
 #include "cagegen/geometry/closest.h"
 #include "cagegen/geometry/separation.h"
+#include "cagegen/threads/parallel.h"
 #include "src/mesh/rounding.h"
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
+#include <mutex>
 #include <utility>
 
 namespace encage::makers {
@@ -19,6 +20,7 @@ constexpr int kSweeps = 60;  // of projected Gauss-Seidel in one solve
 constexpr int kSlowSweeps = 400;
 constexpr double kLift = 1.6;  // clearances that a contact asks for
 constexpr std::size_t kHitLimit = 24;
+constexpr std::size_t kLeast = 128;  // faces worth a thread
 constexpr double kThinnest = 1e-4;
 
 template <class Pairs>
@@ -334,24 +336,21 @@ void ContactSolver::retest(const Step& step, const Places& y) {
   work_ += static_cast<std::int64_t>(faces.size());
   std::erase_if(hits_,
                 [&](const Pair& pair) { return dirty_[pair.face] || (pair.other < 0 && dirty_[-1 - pair.other]); });
-  const int parts = faces.size() < 256 ? 1 : std::max(1, options_.threads);
-  std::vector<std::vector<Pair>> found(static_cast<std::size_t>(parts));
-  const auto work = [&](int part) {
-    const std::size_t first = faces.size() * part / parts;
-    const std::size_t last = faces.size() * (part + 1) / parts;
-    for (std::size_t i = first; i < last; ++i) test_face(step, y, faces[i], found[part]);
-  };
-  std::vector<std::thread> threads;
-  for (int part = 1; part < parts; ++part) threads.emplace_back(work, part);
-  work(0);
-  for (std::thread& thread : threads) thread.join();
-  for (const auto& part : found) hits_.insert(hits_.end(), part.begin(), part.end());
+  std::mutex mutex;
+  for_ranges(options_.threads, faces.size(), kLeast, [&](std::size_t first, std::size_t last) {
+    std::vector<Pair> found;
+    std::vector<std::int32_t> scratch;
+    for (std::size_t i = first; i < last; ++i) test_face(step, y, faces[i], found, scratch);
+    const std::lock_guard lock(mutex);
+    hits_.insert(hits_.end(), found.begin(), found.end());
+  });
   std::sort(hits_.begin(), hits_.end());
   tested_ = y;
   test_all_ = false;
 }
 
-void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found) const {
+void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found,
+                              std::vector<std::int32_t>& scratch) const {
   const Corners mine = corners(y, f);
   const Prism prism(mine);
   const bool moved = mine != corners(place_, f);
@@ -365,10 +364,9 @@ void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f,
     }
   }
   if (moved || step.moves) {
-    thread_local std::vector<std::int32_t> triangles;
-    triangles.clear();
-    step.after.highest_hits(prism, options_.clearance, kHitLimit, triangles);
-    for (const std::int32_t t : triangles) found.push_back({f, t});
+    scratch.clear();
+    step.after.highest_hits(prism, options_.clearance, kHitLimit, scratch);
+    for (const std::int32_t t : scratch) found.push_back({f, t});
   }
   if (!dirty_[f]) return;
   tree_.traverse(step.after.near(prism, options_.self_clearance, magnitude_), [&](std::int32_t other) {

@@ -99,7 +99,8 @@ class ContactSolver {
   void add_pair(const Pair& pair, const Point& normal, std::int32_t a, std::int32_t b, double gap);
   void add_all_near(const Step& step);
   void retest(const Step& step, const Places& y);
-  void test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found) const;
+  void test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found,
+                 std::vector<std::int32_t>& scratch) const;
   void retreat(const Step& step, Places& y);
   void add_lost_cones(const Places& y);
 

@@ -2,9 +2,9 @@
 #include "cagegen/flow/flow.h"
 
 #include "cagegen/flow/neighbours.h"
-#include "cagegen/flow/parallel.h"
 #include "cagegen/flow/pull.h"
 #include "cagegen/geometry/obstacle.h"
+#include "cagegen/threads/parallel.h"
 #include "src/mesh/rounding.h"
 
 #include <algorithm>
@@ -38,6 +38,8 @@ constexpr double kBalanced = 0.01;
 constexpr std::size_t kMostHits = 64;
 // Items between two calls of the request's check.
 constexpr std::size_t kBlock = 32768;
+// Items worth a thread.
+constexpr std::size_t kLeast = 512;
 
 class Flow {
  public:
@@ -128,7 +130,7 @@ template <class Work>
 void Flow::for_blocks(std::size_t count, const Work& work) const {
   for (std::size_t first = 0; first < count; first += kBlock) {
     if (request_.check) request_.check();
-    for_ranges(request_.threads, std::min(kBlock, count - first),
+    for_ranges(request_.threads, std::min(kBlock, count - first), kLeast,
                [&](std::size_t from, std::size_t to) { work(first + from, first + to); });
   }
 }

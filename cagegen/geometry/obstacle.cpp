@@ -203,10 +203,13 @@ void Obstacle::highest_hits(const Prism& prism, double clearance, std::size_t li
 }
 
 bool Obstacle::hit(const Prism& prism, double clearance) const {
-  thread_local std::vector<std::int32_t> found;
-  found.clear();
-  hits(prism, clearance, 1, found);
-  return !found.empty();
+  bool touched = false;
+  tree_.traverse(near(prism, clearance), [&](std::int32_t t) {
+    if (touched) return;
+    ++work();
+    touched = !separated(prism.corner, corners(t), clearance);
+  });
+  return touched;
 }
 
 double Obstacle::steepest(const Prism& prism, const Corners& t, double lift, double ceiling, double slope) {

@@ -31,6 +31,9 @@ namespace ENCAGE_EXPORT encage {
 /// NaN, infinity, indices out of range, truncated files and files without faces.
 PolygonMesh read_polygon_mesh(const std::filesystem::path& file);
 
+/// The same, triangulated.
+TriangleMesh read_mesh(const std::filesystem::path& file);
+
 /// Writes OBJ, PLY, STL or OFF by the extension, atomically (a temporary in the
 /// same folder, then a rename). Coordinates round-trip in double where the
 /// format allows. Throws Error.
@@ -163,7 +166,7 @@ struct BakeOptions {
   bool keep_partial = false;  ///< if a level fails, return the levels made before it (at least one) instead of throwing
   double min_clearance = 1e-5;       ///< distance between consecutive surfaces, in diagonals of the source
   int threads = 0;                   ///< 0: all; never changes the result
-  std::optional<double> time_limit;  ///< seconds; the only option that may make results vary
+  std::optional<double> time_limit;  ///< seconds, above 0; the only option that may make results vary
   bool keep_fine = true;             ///< store level 0 in the hierarchy
 };
 
@@ -197,5 +200,9 @@ CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const B
                    BakeReport* report = nullptr);
 CageHierarchy bake(const TriangleMesh& input, const BakeOptions& options, const BakeContext& context = {},
                    BakeReport* report = nullptr);
+
+/// write_asset(), but the file is read back before it takes its name: what was certified is what stands in the file,
+/// bit by bit. Throws Error naming the file, and then leaves an older file of that name, and no temporary.
+void write_certified_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy);
 
 }  // namespace encage

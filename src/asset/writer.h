@@ -11,4 +11,7 @@ namespace encage {
 /// writes it; `file` starts the messages of errors. Throws Error.
 std::string encode_asset(const CageHierarchy& hierarchy, const std::string& generator, const std::string& file);
 
+/// What write_asset() writes: made by this version of Encage.
+std::string encode_asset(const CageHierarchy& hierarchy, const std::string& file);
+
 }  // namespace encage
