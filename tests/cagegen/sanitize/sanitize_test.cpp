@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/certify/exact.h"
 #include "tests/cagegen/io/shapes.h"
 
 #include <encage/bake.h>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,11 +32,7 @@ constexpr double pi = 3.14159265358979323846;
 Place place(const Eigen::Vector3d& p) { return {p[0], p[1], p[2]}; }
 
 bool is_degenerate(const TriangleMesh& mesh, std::int64_t t) {
-  const auto corner = [&](int k) {
-    const Eigen::Vector3d p = mesh.corner(t, k);
-    return CGAL::Exact_predicates_inexact_constructions_kernel::Point_3(p[0], p[1], p[2]);
-  };
-  return CGAL::collinear(corner(0), corner(1), corner(2));
+  return proof::degenerate({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
 }
 
 /// By maps of edges and vertices: every edge once in each direction, every link one cycle.
