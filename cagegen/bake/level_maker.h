@@ -42,8 +42,8 @@ class LevelMaker {
  public:
   LevelMaker(const SourceMesh& source, const BakeOptions& options, const BakeContext& context);
 
-  /// The level around `finer`, or around the source if that is null. No value if it failed: `failure` says why; or
-  /// if time is up, which leaves `failure` empty. Throws Cancelled, and what the caller's functions throw.
+  /// The level around `finer`, or around the source if that is null. No value if it failed: `failure` says why; or if
+  /// time is up, which leaves `failure` empty. Throws Cancelled, and what the caller's functions throw.
   std::optional<MadeLevel> make(const MadeLevel* finer, const LevelTarget& target, const LevelProgress& progress,
                                 std::string& failure);
 

@@ -173,8 +173,8 @@ std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t 
   Patch& patch = scratch_.patch;
   if (!make_collapse_patch(u, v, patch)) return std::nullopt;
   const Objective o = objective(patch, options_.quadric_weight);
-  // A weak pull to the middle settles flat patches, where the quadric leaves p free; a strong one
-  // is tried if the weak one made a bad fan.
+  // A weak pull to the middle settles flat patches, where the quadric leaves p free; a strong one is tried if the weak
+  // one made a bad fan.
   for (const double pull : {1e-3, 1e-1}) {
     Eigen::Matrix3d a = o.matrix;
     a.diagonal().array() += pull * o.matrix.trace() + std::numeric_limits<double>::min();

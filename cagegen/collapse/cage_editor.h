@@ -27,9 +27,9 @@ struct Placement {
   double cost = 0;
 };
 
-/// A cage being edited: a closed, embedded manifold around an obstacle that it never touches. Every
-/// edit keeps that: it is planned first, against obstacle and cage, then applied. Vertices are
-/// exactly representable in float32 all the time. For use by one thread at a time.
+/// A cage being edited: a closed, embedded manifold around an obstacle that it never touches. Every edit keeps that: it
+/// is planned first, against obstacle and cage, then applied. Vertices are exactly representable in float32 all the
+/// time. For use by one thread at a time.
 class CageEditor {
  public:
   /// `cage` must be closed, oriented, embedded and clear of the obstacle; kept by reference: obstacle.

@@ -178,8 +178,8 @@ Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const Lev
   options.threads = request.threads;
   options.check = [&] { control.throw_if_cancelled(); };
   Candidate finished{editor.extract(), 0, candidate.start};
-  // Steps get shorter as they jam; starting over with long ones frees coarse cages again.
-  // Worth the time where the cage is small beside what it encloses.
+  // Steps get shorter as they jam; starting over with long ones frees coarse cages again. Worth the time where the cage
+  // is small beside what it encloses.
   const bool small = request.faces <= 1000 || request.clean->triangles.rows() > 20 * request.faces;
   for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
     finished.cage = shrink(obstacle, finished.cage, options);

@@ -176,8 +176,8 @@ void ContactSolver::begin(const Step& step) {
   test_all_ = step.moves;
 }
 
-/// Linearises a pair at the present valid state. `strict`: all corners of the face stay beyond the plane between
-/// the closest points, and the obstacle's triangle below it: two convex sets separated for sure.
+/// Linearises a pair at the present valid state. `strict`: all corners of the face stay beyond the plane between the
+/// closest points, and the obstacle's triangle below it: two convex sets separated for sure.
 void ContactSolver::add_contact(const Step& step, const Pair& pair, bool strict) {
   if (pair.other >= 0) {
     add_obstacle_contact(step, pair, strict);
@@ -282,8 +282,8 @@ void ContactSolver::add_all_near(const Step& step) {
   sort_unique(strict_);
 }
 
-/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers. Contacts none of whose
-/// vertices moved since they were looked at are passed over.
+/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers. Contacts none of whose vertices
+/// moved since they were looked at are passed over.
 void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
   y = wanted;
   for (const Contact& c : contacts_) {
@@ -321,8 +321,8 @@ void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
   }
 }
 
-/// Finds what touches at y. Only faces that moved since the last test are tested again, shared out among the
-/// threads; the result is the same.
+/// Finds what touches at y. Only faces that moved since the last test are tested again, shared out among the threads;
+/// the result is the same.
 void ContactSolver::retest(const Step& step, const Places& y) {
   std::vector<std::int32_t> faces;
   for (std::size_t f = 0; f < face_.size(); ++f) {
@@ -394,8 +394,8 @@ void ContactSolver::retreat(const Step& step, Places& y) {
   }
 }
 
-/// The faces around every vertex that would lose its cone of outward directions: the next coarser level could not
-/// start there.
+/// The faces around every vertex that would lose its cone of outward directions: the next coarser level could not start
+/// there.
 void ContactSolver::add_lost_cones(const Places& y) {
   std::vector<Point> normals;
   const auto has_cone = [&](const Places& places, std::size_t v) {

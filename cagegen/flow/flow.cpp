@@ -19,8 +19,8 @@ namespace {
 
 // Depth first asked for, in gaps: what conservative tests and rounding take from it.
 constexpr double kFirstDepth = 1.25;
-// Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit,
-// in diagonals.
+// Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit, in
+// diagonals.
 constexpr double kGrowth = 1.5;
 constexpr double kGreatestDepth = 0.1;
 // Longest move, in diagonals.
@@ -217,10 +217,9 @@ bool Flow::is_stretched(std::int32_t t) const {
   return !is_thin(corners(t));
 }
 
-/// Along the triangle's normal, to the end of the gap, where C^ closes: against the normals of what it hits. The
-/// walls, nearly at right angles to the triangle, count little, and where all is in balance it goes inward.
-/// Distances would draw it to either wall.
-/// (Intersection contours shrink on the same way: Volino and Magnenat-Thalmann 2006.)
+/// Along the triangle's normal, to the end of the gap, where C^ closes: against the normals of what it hits. The walls,
+/// nearly at right angles to the triangle, count little, and where all is in balance it goes inward. Distances would
+/// draw it to either wall. (Intersection contours shrink on the same way: Volino and Magnenat-Thalmann 2006.)
 Pull Flow::climb(std::int32_t t) const {
   const Corners c = corners(t);
   const Prism prism(c);
@@ -238,8 +237,8 @@ Pull Flow::climb(std::int32_t t) const {
   return result;
 }
 
-/// Average of the Newton jumps of the vertex and of the quadrature points around it, where the depth is missed.
-/// Every dirty triangle counts the same, and the vertex as much as all of them: degenerate triangles must move too.
+/// Average of the Newton jumps of the vertex and of the quadrature points around it, where the depth is missed. Every
+/// dirty triangle counts the same, and the vertex as much as all of them: degenerate triangles must move too.
 Point Flow::jump(std::int32_t v, const std::vector<Wish>& wishes) const {
   Point sum = Point::Zero();
   double weight = 0;

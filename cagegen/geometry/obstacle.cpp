@@ -9,8 +9,8 @@ namespace encage::makers {
 
 namespace {
 
-// Rounding in BoxFilter, relative to the largest coordinate: six products and their sums in float,
-// each off by at most 2^-24 of a partial sum below 2 sqrt(3).
+// Rounding in BoxFilter, relative to the largest coordinate: six products and their sums in float, each off by at most
+// 2^-24 of a partial sum below 2 sqrt(3).
 constexpr double kFilterSlack = 1.5e-6;
 
 // Distance from the edge at which a triangle is lifted in full, in lifts.

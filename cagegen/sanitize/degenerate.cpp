@@ -53,8 +53,8 @@ class Flipper {
   Flipper(TriangleMesh& mesh, const EdgeTable& edges)
       : mesh_(mesh), edges_(edges), twin_(twins(edges, mesh.triangles.rows())) {}
 
-  /// Replaces the collinear triangle t and its neighbour across the longest side by two
-  /// valid triangles that cover the same points. False if that is not possible.
+  /// Replaces the collinear triangle t and its neighbour across the longest side by two valid triangles that cover the
+  /// same points. False if that is not possible.
   bool flip(std::int32_t t) {
     Triangles& triangles = mesh_.triangles;
     const Side ca = 3 * t + longest_side(mesh_, t);  // runs from c to a, b lies between them
@@ -162,8 +162,8 @@ class ThinTriangles {
   std::vector<Triangle> added_;
 };
 
-/// Segments and points of triangles that repeat a vertex, each once, less those that an
-/// edge or a corner of the others covers.
+/// Segments and points of triangles that repeat a vertex, each once, less those that an edge or a corner of the others
+/// covers.
 std::vector<Segment> uncovered_segments(const TriangleMesh& mesh, const EdgeTable& edges,
                                         const std::vector<std::int32_t>& repeating) {
   std::vector<Segment> segments;

@@ -11,8 +11,8 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-/// The chain seen along the coordinate axis that its (Newell) normal follows most, turned
-/// so that it runs counter-clockwise.
+/// The chain seen along the coordinate axis that its (Newell) normal follows most, turned so that it runs
+/// counter-clockwise.
 std::vector<Point> project(const Vertices& vertices, std::span<const std::int32_t> chain) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   const Eigen::Vector3d origin = vertices.row(chain[0]).transpose();

@@ -15,8 +15,8 @@ using Part = std::vector<std::int32_t>;
 
 Eigen::Vector2d along_x(const Eigen::Vector3d& p) { return {p[1], p[2]}; }
 
-/// Orientation of (a, b, q) in the yz plane with q moved by (e, e^2), e infinitely small
-/// (Edelsbrunner and Muecke 1990): a ray never meets an edge. 0 if a equals b.
+/// Orientation of (a, b, q) in the yz plane with q moved by (e, e^2), e infinitely small (Edelsbrunner and Muecke
+/// 1990): a ray never meets an edge. 0 if a equals b.
 int side(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& q) {
   const int sign = orientation(along_x(a), along_x(b), along_x(q));
   if (sign != 0) return sign;
@@ -25,8 +25,8 @@ int side(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector
   return 0;
 }
 
-/// Tells whether points are inside a closed part, by the parity of the triangles on the
-/// ray towards +x, which are found in a grid over the yz plane.
+/// Tells whether points are inside a closed part, by the parity of the triangles on the ray towards +x, which are found
+/// in a grid over the yz plane.
 class InsideTest {
  public:
   InsideTest(const TriangleMesh& mesh, const Part& part, const Eigen::AlignedBox3d& box)

@@ -24,8 +24,8 @@ struct BakedMesh {
 BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
                     const BakeContext& context);
 
-/// The keys of the asset (cage_json.h), with the seconds of each level, more about the source and, if a level
-/// failed and those before it were kept, `failure`.
+/// The keys of the asset (cage_json.h), with the seconds of each level, more about the source and, if a level failed
+/// and those before it were kept, `failure`.
 nlohmann::ordered_json to_json(const BakedMesh& baked);
 
 /// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.

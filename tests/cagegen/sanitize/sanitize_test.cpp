@@ -369,8 +369,8 @@ TEST(Sanitize, KeepsASpikeOfSeveralTriangles) {
 }
 
 TEST(Sanitize, KeepsTheSurfaceClosedWhereNoFlipHelps) {
-  // Both sides of the edge from 0 to 1 are split, at different points; two collinear
-  // triangles fill the seam and have each other across their longest side.
+  // Both sides of the edge from 0 to 1 are split, at different points; two collinear triangles fill the seam and have
+  // each other across their longest side.
   TriangleMesh input = with_vertex(with_vertex(box(), {.5, 0, 0}), {.25, 0, 0});
   input = without_triangles(without_triangles(input, 4, 1), 1, 1);
   input = with_triangles(input, {{0, 8, 5}, {8, 1, 5}, {0, 3, 9}, {9, 3, 1}, {0, 1, 8}, {1, 0, 9}});
