@@ -132,7 +132,7 @@ void define(CLI::App& app, Arguments& a) {
 CageHierarchy load_hierarchy(const Arguments& a, tool::Progress& progress) {
   if (!a.asset.empty()) return read_asset(a.asset, Verify::all);
   progress.update(0, "making the body");
-  const TriangleMesh mesh = a.mesh.empty() ? make_octopus(a.faces) : tool::read_mesh(a.mesh);
+  const TriangleMesh mesh = a.mesh.empty() ? make_octopus(a.faces) : read_mesh(a.mesh);
   const std::filesystem::path name = a.mesh.empty() ? "octopus" : a.mesh;
   return tool::bake_mesh(name, mesh, a.bake, progress.context(&tool::interrupted)).hierarchy;
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/nested/nested_level.h"
+#include "cagegen/flow/flow_level.h"
 
 #include "cagegen/collapse/collapse.h"
 #include "cagegen/contact/minimize.h"
+#include "cagegen/flow/coarse_sources.h"
+#include "cagegen/flow/expand.h"
 #include "cagegen/flow/flow.h"
-#include "cagegen/nested/coarse_sources.h"
-#include "cagegen/nested/expand.h"
-#include "cagegen/nested/reinflate.h"
+#include "cagegen/flow/reinflate.h"
+
+#include <encage/error.h>
 
 #include <algorithm>
 #include <chrono>
@@ -41,22 +43,22 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 struct Flowed {
   Flowed(const TriangleMesh& coarse, FlowResult in) : cage(coarse), flow(std::move(in)) {}
 
-  NestedResult result;  ///< with its start and undeformed mesh
-  TriangleMesh cage;    ///< expanded where the flow stalled
+  LevelResult result;  ///< with its start and undeformed mesh
+  TriangleMesh cage;   ///< expanded where the flow stalled
   FlowResult flow;
   double moved = 0;  ///< how far vertices of F are from home, on average
 };
 
 using FlowedPtr = std::unique_ptr<Flowed>;
 
-class NestedLevel {
+class FlowLevel {
  public:
-  NestedLevel(const Obstacle& obstacle, const NestedRequest& request, Control& control, std::string& failure)
-      : obstacle_(obstacle), request_(request), control_(control), failure_(failure) {}
+  FlowLevel(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices, Control& control)
+      : obstacle_(obstacle), request_(request), choices_(choices), control_(control) {}
 
-  std::optional<NestedResult> run(const std::function<bool(const Candidate&)>& accept) {
+  LevelResult run(const Accept& accept) {
     const auto check = [this] { control_.throw_if_cancelled(); };
-    const std::vector<CoarseSource> sources = coarse_sources(obstacle_, request_, check);
+    const std::vector<CoarseSource> sources = coarse_sources(obstacle_, request_, choices_, check);
     const bool compete = request_.faces <= kCompete;
     std::size_t next = 0;
     while (next < sources.size()) {
@@ -71,29 +73,28 @@ class NestedLevel {
         flow_in_group(sources, next, flowed);
         share_ = 1.0 / static_cast<double>(flowed.size());
       }
-      if (auto result = nest(std::move(flowed), compete || doubtful, accept)) return result;
+      if (auto result = nest(std::move(flowed), compete || doubtful, accept)) return std::move(*result);
     }
-    return std::nullopt;
+    throw Error(failure_);
   }
 
  private:
   /// `fraction` of what there is to do with one coarse mesh.
   void report(double fraction) const { control_.fraction = done_ + share_ * fraction; }
 
-  void fail(const std::string& source, const std::string& reason) const {
+  void fail(const std::string& source, const std::string& reason) {
     if (request_.log) request_.log("coarse mesh '" + source + "': " + reason);
     failure_ = source + ": " + reason;
   }
 
-  void note(const NestedResult& result, const std::string& what, int times) const {
+  void note(const LevelResult& result, const std::string& what, int times) const {
     if (!request_.log) return;
     request_.log("coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
                  (times == 1 ? " time" : " times"));
   }
 
   /// F flowed into all sources of a group, from `next` on.
-  void flow_in_group(const std::vector<CoarseSource>& sources, std::size_t& next,
-                     std::vector<FlowedPtr>& flowed) const {
+  void flow_in_group(const std::vector<CoarseSource>& sources, std::size_t& next, std::vector<FlowedPtr>& flowed) {
     const int group = sources[next].group;
     for (; next < sources.size() && sources[next].group == group; ++next) {
       report(0);
@@ -116,7 +117,7 @@ class NestedLevel {
   }
 
   /// Null if F cannot be brought in.
-  FlowedPtr flow_in(const CoarseSource& source) const {
+  FlowedPtr flow_in(const CoarseSource& source) {
     control_.throw_if_cancelled();
     auto coarse = source.make();
     if (!coarse) {
@@ -144,16 +145,18 @@ class NestedLevel {
   }
 
   /// The first of them that can be nested, or (`all`) the tightest.
-  std::optional<NestedResult> nest(std::vector<FlowedPtr> flowed, bool all,
-                                   const std::function<bool(const Candidate&)>& accept) {
-    std::vector<NestedResult> nested;
-    const auto settle = [&]() -> std::optional<NestedResult> {
-      std::stable_sort(nested.begin(), nested.end(), [](const NestedResult& a, const NestedResult& b) {
+  std::optional<LevelResult> nest(std::vector<FlowedPtr> flowed, bool all, const Accept& accept) {
+    std::vector<LevelResult> nested;
+    const auto settle = [&]() -> std::optional<LevelResult> {
+      std::stable_sort(nested.begin(), nested.end(), [](const LevelResult& a, const LevelResult& b) {
         return a.candidate.volume < b.candidate.volume;
       });
-      for (NestedResult& result : nested) {
+      for (LevelResult& result : nested) {
         finish(result);
-        if (accept(result.candidate)) return std::move(result);
+        if (auto certificate = accept(result.candidate)) {
+          result.certificate = std::move(*certificate);
+          return std::move(result);
+        }
         fail(result.candidate.start, "the certificate refuses the cage");
       }
       nested.clear();
@@ -209,7 +212,7 @@ class NestedLevel {
 
   bool inflate(Flowed& flowed) {
     const auto start = Clock::now();
-    NestedResult& result = flowed.result;
+    LevelResult& result = flowed.result;
     Obstacle inside = obstacle_;
     inside.move(flowed.flow.positions);
     drop_empty_parts(result.undeformed, flowed.cage, inside);
@@ -218,8 +221,8 @@ class NestedLevel {
     reinflation.fine = request_.inner;
     reinflation.rest = &result.undeformed;
     reinflation.flowed = &flowed.flow;
-    reinflation.energy = request_.inflate.get();
-    reinflation.path = request_.path;
+    reinflation.energy = choices_.inflate.get();
+    reinflation.path = choices_.path;
     reinflation.origin = request_.origin;
     reinflation.progress = [&](double fraction) { report(kFlowShare + fraction * (kInflateShare - kFlowShare)); };
     const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
@@ -240,16 +243,16 @@ class NestedLevel {
     MinimizeRequest minimization;
     minimization.fine = request_.inner;
     minimization.rest = &rest;
-    minimization.energy = request_.final.get();
+    minimization.energy = choices_.final.get();
     minimization.progress = [&](double fraction) { report(kInflateShare + fraction * (1 - kInflateShare)); };
     minimize(solver, obstacle_, minimization);
   }
 
   /// More of the final energy, from long steps again, which frees coarse cages; for the volume, vertex by vertex too.
-  void finish(NestedResult& result) const {
+  void finish(LevelResult& result) const {
     const auto start = Clock::now();
     TriangleMesh& cage = result.candidate.cage;
-    const bool volume = request_.final == volume_energy();
+    const bool volume = choices_.final == volume_energy();
     const int passes = request_.faces <= 1000 ? 2 : 0;
     for (int pass = 0; pass <= passes; ++pass) {
       if (pass > 0) {
@@ -279,19 +282,19 @@ class NestedLevel {
   }
 
   const Obstacle& obstacle_;
-  const NestedRequest& request_;
+  const LevelRequest& request_;
+  const FlowChoices& choices_;
   Control& control_;
-  std::string& failure_;
+  std::string failure_ = "no coarse mesh could be nested";
   double done_ = 0;
   double share_ = 1;
 };
 
 }  // namespace
 
-std::optional<NestedResult> build_nested_level(const Obstacle& obstacle, const NestedRequest& request, Control& control,
-                                               const std::function<bool(const Candidate&)>& accept,
-                                               std::string& failure) {
-  return NestedLevel(obstacle, request, control, failure).run(accept);
+LevelResult flow_level(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices,
+                       Control& control, const Accept& accept) {
+  return FlowLevel(obstacle, request, choices, control).run(accept);
 }
 
 }  // namespace encage::makers

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/nested/reinflate.h"
+#include "cagegen/flow/reinflate.h"
 
 #include "tests/cagegen/geometry/shapes.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/nested/coarse_sources.h"
+#include "cagegen/flow/coarse_sources.h"
 
 #include "cagegen/collapse/starts.h"
 #include "cagegen/decimate/decimate.h"
@@ -27,13 +27,13 @@ std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
 
 }  // namespace
 
-std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedRequest& request,
-                                         const std::function<void()>& check) {
+std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRequest& request,
+                                         const FlowChoices& choices, const std::function<void()>& check) {
   std::vector<CoarseSource> sources;
   const double gap = kGap * request.clearance;
-  if (request.coarse != nullptr) {
-    return {{"user", [&request]() -> std::optional<TriangleMesh> {
-               TriangleMesh mesh = *request.coarse;
+  if (choices.coarse != nullptr) {
+    return {{"user", [&choices]() -> std::optional<TriangleMesh> {
+               TriangleMesh mesh = *choices.coarse;
                round_vertices(mesh);
                return mesh;
              }}};
@@ -42,17 +42,17 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedR
     const double alpha = request.diagonal / parameter;
     return wrap_start(obstacle, *request.clean, alpha, alpha * kWrapOffset, request.clearance);
   };
-  if (request.decimator) {
-    sources.push_back({request.decimator_name.empty() ? "decimator" : request.decimator_name,
-                       [=, &request]() -> std::optional<TriangleMesh> {
+  if (choices.decimator) {
+    sources.push_back({choices.decimator_name.empty() ? "decimator" : choices.decimator_name,
+                       [=, &request, &choices]() -> std::optional<TriangleMesh> {
                          const TriangleMesh& undeformed =
-                             request.undeformed != nullptr ? *request.undeformed : *request.clean;
+                             choices.undeformed != nullptr ? *choices.undeformed : *request.clean;
                          if (request.manifold) {
-                           return usable(request.decimator(*request.clean, undeformed, request.faces));
+                           return usable(choices.decimator(*request.clean, undeformed, request.faces));
                          }
                          const auto stand_in = wrap(100);
                          if (!stand_in) return std::nullopt;
-                         return usable(request.decimator(*stand_in, *stand_in, request.faces));
+                         return usable(choices.decimator(*stand_in, *stand_in, request.faces));
                        }});
     return sources;
   }

@@ -32,8 +32,8 @@ struct ReinflateResult {
 };
 
 /// Moves F from inside C^ back to its own place, as an obstacle of infinite mass, while the cage gives way: Nested
-/// Cages, section 3.2 and algorithm 3. `solver` holds C^, valid around the flowed F; it ends valid around `home`,
-/// F at its own place, if that is reached, else around some place on the way.
+/// Cages, section 3.2 and algorithm 3. `solver` holds C^, valid around the flowed F; it ends valid around `home`, F at
+/// its own place, if that is reached, else around some place on the way.
 ReinflateResult reinflate(ContactSolver& solver, const ReinflateRequest& request, const Obstacle& home);
 
 }  // namespace encage::makers

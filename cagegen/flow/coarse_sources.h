@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cagegen/nested/nested_level.h"
+#include "cagegen/flow/flow_level.h"
 
 #include <encage/mesh.h>
 
@@ -20,9 +20,9 @@ struct CoarseSource {
   bool last_resort = false;                           ///< loose: only if all before have failed
 };
 
-/// What to try for a level, in this order. What is made lives as long as `obstacle` and `request`.
-std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const NestedRequest& request,
-                                         const std::function<void()>& check);
+/// What to try for a level, in this order. What is made lives as long as `obstacle`, `request` and `choices`.
+std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRequest& request,
+                                         const FlowChoices& choices, const std::function<void()>& check);
 
 /// Drops the components of a coarse mesh in which nothing of F lies after the flow: minimising the volume, they would
 /// vanish, and turn inside out. Voids stay. `moved` is the coarse mesh as F flowed into it, with the same triangles.

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/level.h"
+#include "cagegen/collapse/collapse_level.h"
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/collapse.h"
 #include "cagegen/collapse/starts.h"
 #include "cagegen/contact/minimize.h"
+#include "cagegen/threads/parallel.h"
 
 #include <encage/error.h>
 
 #include <algorithm>
-#include <exception>
 #include <mutex>
-#include <thread>
+#include <utility>
+#include <vector>
 
 namespace encage::makers {
 
@@ -38,7 +39,6 @@ std::vector<Phase> portfolio(const LevelRequest& request) {
   using Kind = Start::Kind;
   const bool decimates = request.manifold && request.topology != Topology::simplify;
   std::vector<Phase> phases;
-  if (request.hull_only) return {{{Kind::hull, 0}}};
   const auto add = [&](Phase decimations, Phase wraps) {
     Phase phase;
     if (decimates) phase = std::move(decimations);
@@ -143,45 +143,26 @@ std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelR
   return candidate;
 }
 
-/// Runs the starts of a phase, as many at a time as there are threads; results in order of the phase.
+/// Runs the starts of a phase, as many at a time as there are threads; the smallest cage first.
 std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, const LevelRequest& request,
                                Control& control) {
   std::vector<std::optional<Candidate>> results(phase.size());
-  std::vector<std::exception_ptr> errors(phase.size());
   std::vector<double> fractions(phase.size(), 0.0);
   std::mutex mutex;
-  std::size_t next = 0;
-  const auto work = [&] {
-    for (;;) {
-      std::size_t i = 0;
-      {
-        const std::lock_guard lock(mutex);
-        if (next == phase.size()) return;
-        i = next++;
-      }
-      // Out of time: whoever comes later is left out, as long as somebody came before.
-      if (i > 0 && control.expired()) continue;
-      try {
-        results[i] = run(phase[i], obstacle, request, control, [&](double fraction) {
-          const std::lock_guard lock(mutex);
-          fractions[i] = fraction;
-          double sum = 0;
-          for (const double f : fractions) sum += f;
-          control.fraction = sum / static_cast<double>(fractions.size());
-        });
-      } catch (...) {
-        errors[i] = std::current_exception();
-      }
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < std::min(request.threads, static_cast<int>(phase.size())); ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+  for_each_task(request.threads, phase.size(), [&](std::size_t i) {
+    // Out of time: whoever comes later is left out, as long as somebody came before.
+    if (i > 0 && control.expired()) return;
+    results[i] = run(phase[i], obstacle, request, control, [&](double fraction) {
+      const std::lock_guard lock(mutex);
+      fractions[i] = fraction;
+      double sum = 0;
+      for (const double f : fractions) sum += f;
+      control.fraction = sum / static_cast<double>(fractions.size());
+    });
+  });
   std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < phase.size(); ++i) {
-    if (errors[i]) std::rethrow_exception(errors[i]);
-    if (results[i]) candidates.push_back(std::move(*results[i]));
+  for (std::optional<Candidate>& result : results) {
+    if (result) candidates.push_back(std::move(*result));
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
@@ -197,8 +178,8 @@ Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const Lev
   options.threads = request.threads;
   options.check = [&] { control.throw_if_cancelled(); };
   Candidate finished{editor.extract(), 0, candidate.start};
-  // Steps get shorter as they jam; starting over with long ones frees coarse cages again.
-  // Worth the time where the cage is small beside what it encloses.
+  // Steps get shorter as they jam; starting over with long ones frees coarse cages again. Worth the time where the cage
+  // is small beside what it encloses.
   const bool small = request.faces <= 1000 || request.clean->triangles.rows() > 20 * request.faces;
   for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
     finished.cage = shrink(obstacle, finished.cage, options);
@@ -207,18 +188,27 @@ Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const Lev
   return finished;
 }
 
-}  // namespace
-
-Candidate build_level(const Obstacle& obstacle, const LevelRequest& request, Control& control,
-                      const std::function<bool(const Candidate&)>& accept) {
-  for (const Phase& phase : portfolio(request)) {
-    for (const Candidate& candidate : compete(phase, obstacle, request, control)) {
-      const Candidate finished = finish(candidate, obstacle, request, control);
-      if (accept(finished)) return finished;
-      if (accept(candidate)) return candidate;
+LevelResult first_accepted(const std::vector<Phase>& phases, const Obstacle& obstacle, const LevelRequest& request,
+                           Control& control, const Accept& accept) {
+  for (const Phase& phase : phases) {
+    for (Candidate& candidate : compete(phase, obstacle, request, control)) {
+      Candidate finished = finish(candidate, obstacle, request, control);
+      if (auto certificate = accept(finished)) return {std::move(finished), std::move(*certificate), {}};
+      if (auto certificate = accept(candidate)) return {std::move(candidate), std::move(*certificate), {}};
     }
   }
   throw Error("no cage of " + std::to_string(request.faces) + " faces keeps the topology of the level before");
+}
+
+}  // namespace
+
+LevelResult collapse_level(const Obstacle& obstacle, const LevelRequest& request, Control& control,
+                           const Accept& accept) {
+  return first_accepted(portfolio(request), obstacle, request, control, accept);
+}
+
+LevelResult hull_level(const Obstacle& obstacle, const LevelRequest& request, Control& control, const Accept& accept) {
+  return first_accepted({{{Start::Kind::hull, 0}}}, obstacle, request, control, accept);
 }
 
 }  // namespace encage::makers

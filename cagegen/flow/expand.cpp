@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/nested/expand.h"
+#include "cagegen/flow/expand.h"
 
 #include "cagegen/flow/pull.h"
 #include "cagegen/flow/signed_distance.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/nested/reinflate.h"
+#include "cagegen/flow/reinflate.h"
 
 #include "cagegen/contact/minimize.h"
 
@@ -118,8 +118,8 @@ class Reinflation {
     minimize(solver_, before_, request);
   }
 
-  /// Lets strands of the cage come closer to each other: room for coarser levels is lost there, which is better than
-  /// no cage.
+  /// Lets strands of the cage come closer to each other: room for coarser levels is lost there, which is better than no
+  /// cage.
   bool give_room() {
     const double tightest = kTightest * solver_.options().clearance;
     if (solver_.options().self_clearance <= tightest) return false;
