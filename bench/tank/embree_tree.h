@@ -45,15 +45,15 @@ class EmbreeTree {
     std::int32_t first, count;  ///< in primitives_
   };
   struct Callbacks;
-  struct Release {
+  struct ReleaseTree {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
     void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
   };
-  struct Traversal;
+  struct TreeTraversal;
 
   RTCBuildQuality quality_;
-  std::unique_ptr<RTCDeviceTy, Release> device_;
-  std::unique_ptr<RTCBVHTy, Release> bvh_;
+  std::unique_ptr<RTCDeviceTy, ReleaseTree> device_;
+  std::unique_ptr<RTCBVHTy, ReleaseTree> bvh_;
   std::vector<Box> vertices_;
   std::vector<RTCBuildPrimitive> input_;
   std::vector<RTCBuildPrimitive> primitives_;  ///< leaf after leaf

@@ -35,13 +35,13 @@ BaselineResult progressive_hull(const SourceMesh& source, std::int64_t faces);
 /// self-intersection: the one at the smallest distance that holds. If none does, the last one that was tried.
 BaselineResult offset_contour(const SourceMesh& source, std::int64_t faces);
 
-struct Baseline {
+struct PlainMethod {
   const char* name;  ///< as BaselineResult::name
   BaselineResult (*run)(const SourceMesh& source, std::int64_t faces);
 };
 
 /// The three above, in this order.
-std::span<const Baseline> baselines();
+std::span<const PlainMethod> baselines();
 
 /// All of them. One thread; no exception but for a lack of memory.
 std::vector<BaselineResult> run_baselines(const SourceMesh& source, std::int64_t faces);

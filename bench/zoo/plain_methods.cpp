@@ -70,17 +70,17 @@ DistanceGrid::DistanceGrid(const TriangleMesh& mesh, bool closed, int cells, dou
   constexpr int block = 4;
   const double width = block * std::sqrt(3.0) * cell_;
   values_.resize(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2]);
-  const auto signed_distance = [&](const Node& n, std::optional<double> near) {
+  const auto signed_distance = [&](const GridNode& n, std::optional<double> near) {
     const Vector3d p = position(n);
     const double distance = field.distance(p);
     const bool inside = near && std::abs(*near) > width ? *near < 0 : field.inside(p);
     return inside ? -distance : distance;
   };
-  for (Node first{0, 0, 0}; first.z < count_[2]; first.z += block) {
+  for (GridNode first{0, 0, 0}; first.z < count_[2]; first.z += block) {
     for (first.y = 0; first.y < count_[1]; first.y += block) {
       for (first.x = 0; first.x < count_[0]; first.x += block) {
         const double near = signed_distance(first, std::nullopt);
-        for (Node n = first; n.z < std::min(first.z + block, count_[2]); ++n.z) {
+        for (GridNode n = first; n.z < std::min(first.z + block, count_[2]); ++n.z) {
           for (n.y = first.y; n.y < std::min(first.y + block, count_[1]); ++n.y) {
             for (n.x = first.x; n.x < std::min(first.x + block, count_[0]); ++n.x) {
               const bool far = near > reach + width || near < -width - cell_;
@@ -101,8 +101,10 @@ TriangleMesh DistanceGrid::contour(double distance) const {
     Vector3d place;
   };
   std::vector<Corner> corners;
-  const auto corner_of = [&](const Node& n, int i) { return Node{n.x + (i & 1), n.y + (i >> 1 & 1), n.z + (i >> 2)}; };
-  const auto cross = [&](Node a, Node b) {
+  const auto corner_of = [&](const GridNode& n, int i) {
+    return GridNode{n.x + (i & 1), n.y + (i >> 1 & 1), n.z + (i >> 2)};
+  };
+  const auto cross = [&](GridNode a, GridNode b) {
     if (index(b) < index(a)) std::swap(a, b);
     const double va = values_[index(a)] - distance;
     const double vb = values_[index(b)] - distance;
@@ -113,22 +115,22 @@ TriangleMesh DistanceGrid::contour(double distance) const {
     const bool turned = (b.place - a.place).cross(c.place - a.place).dot(outward) < 0;
     corners.insert(corners.end(), {a, turned ? c : b, turned ? b : c});
   };
-  const auto cut = [&](const std::array<Node, 4>& node) {
-    std::vector<Node> in;
-    std::vector<Node> out;
+  const auto cut = [&](const std::array<GridNode, 4>& node) {
+    std::vector<GridNode> in;
+    std::vector<GridNode> out;
     Vector3d outward = Vector3d::Zero();
-    for (const Node& n : node) (values_[index(n)] < distance ? in : out).push_back(n);
+    for (const GridNode& n : node) (values_[index(n)] < distance ? in : out).push_back(n);
     if (in.empty() || out.empty()) return;
-    for (const Node& n : in) outward -= position(n) / static_cast<double>(in.size());
-    for (const Node& n : out) outward += position(n) / static_cast<double>(out.size());
+    for (const GridNode& n : in) outward -= position(n) / static_cast<double>(in.size());
+    for (const GridNode& n : out) outward += position(n) / static_cast<double>(out.size());
     std::vector<Corner> c;
-    for (const Node& i : in) {
-      for (const Node& o : out) c.push_back(cross(i, o));
+    for (const GridNode& i : in) {
+      for (const GridNode& o : out) c.push_back(cross(i, o));
     }
     emit(c[0], c[1], c[2], outward);
     if (c.size() == 4) emit(c[1], c[3], c[2], outward);
   };
-  for (Node n{0, 0, 0}; n.z + 1 < count_[2]; ++n.z) {
+  for (GridNode n{0, 0, 0}; n.z + 1 < count_[2]; ++n.z) {
     for (n.y = 0; n.y + 1 < count_[1]; ++n.y) {
       for (n.x = 0; n.x + 1 < count_[0]; ++n.x) {
         for (const auto& middle : path) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/zoo.h"
 
+#include "bench/common/process.h"
 #include "bench/zoo/clean.h"
 #include "bench/zoo/gallery.h"
-#include "bench/zoo/isolated.h"
 #include "cagegen/tool/bake_mesh.h"
 
 #include <encage/error.h>
@@ -53,7 +53,7 @@ Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path&
 }
 
 /// In the child.
-Json run_baseline_here(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
+Json run_baseline_here(const PlainMethod& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
   const SourceMesh source = sanitize(tool::read_mesh(known.file));
   const auto input_faces = known.figures.at("source").at("faces").get<std::int64_t>();
   Json levels = Json::array();
@@ -106,7 +106,7 @@ std::vector<fs::path> mesh_files(const std::vector<fs::path>& paths) {
 Model bake_model(const fs::path& file, const BakeOptions& options, const fs::path& gallery) {
   Model model;
   model.file = file;
-  const ChildResult child = run_isolated([&] { return bake_here(file, options, gallery).dump(); });
+  const bench::ChildResult child = bench::run_isolated([&] { return bake_here(file, options, gallery).dump(); });
   model.error = child.error;
   if (!child.error.empty()) return model;
   Json result = Json::parse(child.output);
@@ -120,7 +120,7 @@ Model bake_model(const fs::path& file, const BakeOptions& options, const fs::pat
   return model;
 }
 
-Model run_baseline(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
+Model run_baseline(const PlainMethod& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
   Model model;
   model.file = known.file;
   model.outcome = Model::Outcome::skipped;
@@ -128,7 +128,8 @@ Model run_baseline(const Baseline& baseline, const Model& known, const std::vect
   const auto input_faces = known.figures.at("source").at("faces").get<std::int64_t>();
   if (std::none_of(faces.begin(), faces.end(), [&](std::int64_t target) { return target < input_faces; })) return model;
 
-  const ChildResult child = run_isolated([&] { return run_baseline_here(baseline, known, faces).dump(); });
+  const bench::ChildResult child =
+      bench::run_isolated([&] { return run_baseline_here(baseline, known, faces).dump(); });
   model.outcome = child.error.empty() ? Model::Outcome::baked : Model::Outcome::failed;
   model.error = child.error;
   if (child.error.empty()) model.figures = Json::parse(child.output);

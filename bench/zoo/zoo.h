@@ -45,7 +45,7 @@ Model bake_model(const std::filesystem::path& file, const BakeOptions& options, 
 /// One baseline on the mesh of a model that was baked, once for each of `faces` that is less than the mesh has, around
 /// the mesh itself. In a child process. Skipped if the mesh is not clean, or too small for all of `faces`. Per level:
 /// `hits`, `self_hits`, `cpu_seconds` and `error` of BaselineResult.
-Model run_baseline(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces);
+Model run_baseline(const PlainMethod& baseline, const Model& known, const std::vector<std::int64_t>& faces);
 
 /// The level that stands for a target of BakeOptions::faces, as its figures;
 /// null if that level was skipped because the input is small.
