@@ -95,8 +95,8 @@ int run_command(const Command& command, int argc, char** argv);
 int run_commands(const std::string& program, const std::string& description, const std::vector<Command>& commands,
                  int argc, char** argv);
 
-/// Throws Error, before any long work, if one of the outputs cannot be written or is one of the inputs. Empty paths
-/// are left out.
+/// Throws Error, before any long work, if one of the outputs cannot be written or is one of the inputs. Empty paths are
+/// left out.
 void check_outputs(std::initializer_list<std::filesystem::path> outputs,
                    std::initializer_list<std::filesystem::path> inputs);
 

@@ -15,9 +15,8 @@ namespace {
 RecordedStep step_between(const PoseStep& from, const PoseStep& to, const std::string& file) {
   RecordedStep step{from.step, {}};
   for (const BodyPose& start : from.bodies) {
-    const auto end = std::lower_bound(to.bodies.begin(), to.bodies.end(), start.body,
-                                      [](const BodyPose& pose, std::int32_t body) { return pose.body < body; });
-    if (end == to.bodies.end() || end->body != start.body) continue;
+    const BodyPose* end = find_body(to, start.body);
+    if (end == nullptr) continue;
     const Motion motion{start.pose, end->pose};
     if (!is_usable(motion)) {
       throw Error(file + ": step " + std::to_string(from.step) + ", body " + std::to_string(start.body) +
@@ -29,6 +28,12 @@ RecordedStep step_between(const PoseStep& from, const PoseStep& to, const std::s
 }
 
 }  // namespace
+
+const BodyPose* find_body(const PoseStep& step, std::int32_t body) {
+  const auto at = std::lower_bound(step.bodies.begin(), step.bodies.end(), body,
+                                   [](const BodyPose& pose, std::int32_t number) { return pose.body < number; });
+  return at != step.bodies.end() && at->body == body ? &*at : nullptr;
+}
 
 Recording recording_of(const std::vector<PoseStep>& poses, double dt, std::int64_t every, const std::string& file) {
   if (poses.size() < 2) throw Error(file + ": needs two steps or more");

@@ -8,8 +8,8 @@
 
 namespace encage::bench {
 
-/// A body during one step: from the place where the step before left it to
-/// the place where it would be at the end if nothing were in its way.
+/// A body during one step: from the pose in which the step before left it to the pose that it would have at the end if
+/// nothing were in its way.
 struct RecordedBody {
   std::int32_t body = 0;
   Motion motion;

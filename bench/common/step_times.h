@@ -32,8 +32,8 @@ class StepTimes {
   std::vector<std::vector<double>> milliseconds_;
 };
 
-/// Calls visit(first, last) so that contestants who take turns replay some steps in a row, with warm caches
-/// as in an application, and yet share what becomes of the machine over time.
+/// Calls visit(first, last) so that contestants who take turns replay some steps in a row, with warm caches as in an
+/// application, and yet share what becomes of the machine over time.
 template <class Visit>
 void in_turns(int runs, std::size_t steps, const Visit& visit) {
   constexpr std::size_t in_a_row = 20;

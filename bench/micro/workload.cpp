@@ -2,6 +2,7 @@
 #include "bench/micro/workload.h"
 
 #include "bench/common/process.h"
+#include "bench/common/recorded_poses.h"
 #include "broadphase/motion/frame.h"
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/separation/surface_pair.h"
@@ -13,7 +14,6 @@
 #include <encage/poses.h>
 
 #include <algorithm>
-#include <map>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -46,13 +46,11 @@ bool boxes_are_apart(const Shape& shape, const Case& c) {
 
 /// All bodies of both steps, moving from the one to the other.
 std::vector<Motion> motions(const PoseStep& from, const PoseStep& to) {
-  std::map<std::int32_t, Eigen::Isometry3d> ends;
-  for (const BodyPose& body : to.bodies) ends[body.body] = body.pose;
   std::vector<Motion> all;
   for (const BodyPose& body : from.bodies) {
-    const auto end = ends.find(body.body);
-    if (end == ends.end()) continue;
-    const Motion motion{body.pose, end->second};
+    const BodyPose* end = bench::find_body(to, body.body);
+    if (end == nullptr) continue;
+    const Motion motion{body.pose, end->pose};
     if (is_usable(motion)) all.push_back(motion);
   }
   return all;

@@ -40,7 +40,7 @@ Eigen::Quaterniond rotation(const Eigen::Vector3d& axis, double turns) {
   return {half.cos, half.sin * axis.x(), half.sin * axis.y(), half.sin * axis.z()};
 }
 
-// One body: it sways about its place on a helix and tumbles about two axes.
+// One body: it sways about a point on a helix and tumbles about two axes.
 class Path {
  public:
   explicit Path(std::int32_t body) {

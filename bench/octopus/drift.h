@@ -8,9 +8,8 @@
 
 namespace encage::octopus {
 
-/// Poses for bodies of circumradius 1 that drift and tumble on prescribed smooth
-/// paths, closely packed in a narrow, tall tank. Nothing is simulated: bodies
-/// do not feel each other and may interpenetrate for a while.
+/// Poses for bodies of circumradius 1 that drift and tumble on prescribed smooth paths, closely packed in a narrow,
+/// tall tank. Nothing is simulated: bodies do not feel each other and may interpenetrate for a while.
 struct Drift {
   std::int32_t bodies = 18;
   std::int64_t steps = 480;

@@ -37,9 +37,9 @@ class Rod {
   double reach_;
 };
 
-/// Tubes, united smoothly. Each tube is the plain union of its rods; its
-/// surface blends into what stands before it in the list over the width `blend`.
-/// The function changes by at most the distance between two points (it is 1-Lipschitz).
+/// Tubes, united smoothly. Each tube is the plain union of its rods; its surface blends into what stands before it in
+/// the list over the width `blend`. The function changes by at most the distance between two points (it is
+/// 1-Lipschitz).
 class ImplicitSurface {
  public:
   struct Tube {

@@ -13,9 +13,8 @@ namespace {
 
 using Tube = ImplicitSurface::Tube;
 
-// How one arm runs; angles in turns. It leaves the head at `heading`, first
-// sinks, then levels off, and curls at the tip by `curl` in a plane that leans
-// by `lean` from the vertical.
+// How one arm runs; angles in turns. It leaves the head at `heading`, first sinks, then levels off, and curls at the
+// tip by `curl` in a plane that leans by `lean` from the vertical.
 struct Arm {
   double heading;
   double length;

@@ -8,8 +8,8 @@ namespace encage::octopus {
 /// Half the side of a cube about 0 that holds the shape.
 inline constexpr double octopus_half_width = 1.5;
 
-/// Mantle, head, eyes and eight tapering, curling arms with suckers. What a
-/// mesh with edges of length `detail` cannot show is left out or kept thicker.
+/// Mantle, head, eyes and eight tapering, curling arms with suckers. What a mesh with edges of length `detail` cannot
+/// show is left out or kept thicker.
 ImplicitSurface octopus_shape(double detail);
 
 }  // namespace encage::octopus

@@ -9,8 +9,8 @@
 namespace encage::octopus {
 namespace {
 
-// Lattice nodes have integer coordinates of equal parity, in half cells. Even
-// nodes are the corners of the cells, odd ones their centres.
+// Lattice nodes have integer coordinates of equal parity, in half cells. Even nodes are the corners of the cells, odd
+// ones their centres.
 using Node = std::array<std::int32_t, 3>;
 
 constexpr int block_side = 8;  // half cells; a power of two
@@ -144,8 +144,8 @@ struct CellCorner {
   Eigen::Vector3d position;
 };
 
-// Calls emit(Tetrahedron, values) for the tetrahedra across the surface. Each
-// has two even nodes, joined along an axis, and two odd ones beside that edge.
+// Calls emit(Tetrahedron, values) for the tetrahedra across the surface. Each has two even nodes, joined along an axis,
+// and two odd ones beside that edge.
 template <class Emit>
 void for_each_tetrahedron(Lattice& lattice, Emit emit) {
   lattice.for_each_node_near([&](const Node& n) {

@@ -109,7 +109,7 @@ struct Collision {
   }
 };
 
-/// Root of a place in a forest of groups, the least of its group.
+/// Root of an entry in a forest of groups, the least of its group.
 std::size_t root_of(std::vector<std::size_t>& parent, std::size_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;

@@ -72,8 +72,8 @@ class FclEngine : public Engine {
     if constexpr (std::is_same_v<Scalar, double>) {
       return fcl::collide(&a, &b, request, result) > 0;
     } else {
-      // What fcl::collide() does with two such meshes. The library has it for double only, and all shapes take long
-      // to compile.
+      // What fcl::collide() does with two such meshes. The library has it for double only, and all shapes take long to
+      // compile.
       return fcl::detail::BVHCollide<Volume>(a.collisionGeometry().get(), a.getTransform(), b.collisionGeometry().get(),
                                              b.getTransform(), request, result) > 0;
     }

@@ -13,9 +13,8 @@
 
 namespace encage::tank {
 
-/// A tree of axis-aligned boxes over the swept triangles of one step, built by the
-/// fastest builder at hand, Embree's rtcBuildBVH, in the calling thread only. Our own nodes and
-/// traversal: Embree hands the tree out through callbacks.
+/// A tree of axis-aligned boxes over the swept triangles of one step, built by the fastest builder at hand, Embree's
+/// rtcBuildBVH, in the calling thread only. Our own nodes and traversal: Embree hands the tree out through callbacks.
 class EmbreeTree {
  public:
   /// `low` (Morton codes) builds fastest; `medium` (binned surface-area heuristic) makes better trees.

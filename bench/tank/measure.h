@@ -15,8 +15,8 @@ namespace encage::tank {
 
 struct MeasureOptions {
   StrategyOptions strategy;
-  /// Steps on which the rebuild strategies are timed, evenly spread: one of them takes about
-  /// a second, with half a million triangles and eighteen bodies. 0: they are not run.
+  /// Steps on which the rebuild strategies are timed, evenly spread: one of them takes about a second, with half a
+  /// million triangles and eighteen bodies. 0: they are not run.
   std::int64_t rebuild_steps = 40;
   int runs = 3;  ///< of the prebuilt strategies over all steps; each step counts with its median time
   /// By default every contact is taken to happen when it was reported: a strategy that lacks it has missed it.

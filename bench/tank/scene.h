@@ -24,8 +24,8 @@ const char* name(TankScene scene) noexcept;
 /// Throws Error naming the scenes there are.
 TankScene scene_named(const std::string& name);
 
-/// A tank with a square base, a floor at z = 0 and no top, and the bodies that fall into it. World units are
-/// those of the mesh; gravity counts them as metres.
+/// A tank with a square base, a floor at z = 0 and no top, and the bodies that fall into it. World units are those of
+/// the mesh; gravity counts them as metres.
 struct TankOptions {
   TankScene scene = TankScene::drop;
   int bodies = 18;
@@ -38,8 +38,8 @@ struct TankOptions {
   double gravity = 9.81;
   /// bouncing: mean kinetic energy of a body, at least, as the height of a fall in radii.
   double floor_height = 1;
-  /// resting: mean kinetic energy in the end. Bodies without any would press on each other everywhere at once;
-  /// impulses do not reach through such a pile in a few passes, and much of it has to be held.
+  /// resting: mean kinetic energy in the end. Bodies without any would press on each other everywhere at once; impulses
+  /// do not reach through such a pile in a few passes, and much of it has to be held.
   double rest_height = 0.01;
   std::uint64_t seed = 1;  ///< of the initial orientations
   bool collisions = true;  ///< between bodies; without, only the walls stop them

@@ -54,8 +54,8 @@ struct Survivors {
   std::vector<std::int32_t> bodies;
 };
 
-/// The stages on pairs of bodies: overlapping world boxes of the motions, then, if asked, cages.
-/// A pair that is rejected cannot have a contact by StrategyOptions::contact.
+/// The stages on pairs of bodies: overlapping world boxes of the motions, then, if asked, cages. A pair that is
+/// rejected cannot have a contact by StrategyOptions::contact.
 class PairFilter {
  public:
   /// `body` has to outlive this.

@@ -12,8 +12,8 @@
 namespace encage::tank {
 namespace {
 
-// Relative speed, in units a second, to which impulses separate what would come closer during the
-// step: large against rounding, far below anything that matters.
+// Relative speed, in units a second, to which impulses separate what would come closer during the step: large against
+// rounding, far below anything that matters.
 constexpr double separating_speed = 1e-7;
 
 Eigen::Vector3d material_point(const Motion& motion, double time, const Eigen::Vector3d& point) {
@@ -173,8 +173,8 @@ void VelocityFilter::resolve(FilterReport& report) {
   }
 }
 
-/// One impulse along the normal that reverses the approach, and in any case ends it for this step:
-/// the mean velocity over the step knows of gravity and of the rotation's curvature.
+/// One impulse along the normal that reverses the approach, and in any case ends it for this step: the mean velocity
+/// over the step knows of gravity and of the rotation's curvature.
 bool VelocityFilter::apply(const Conflict& conflict, FilterReport& report) {
   const bool wall = is_wall(conflict);
   Trial& a = trials_[conflict.a];

@@ -27,8 +27,8 @@ struct BaselineResult {
 /// CGAL's alpha wrap with the smallest alpha that gives at most `faces` triangles; the offset is alpha / 12.
 BaselineResult single_alpha_wrap(const SourceMesh& source, std::int64_t faces);
 
-/// Sander et al. 2000, "Silhouette clipping", section 3: edges collapse to the place outside of all planes around
-/// them that adds the least volume. Nothing else is tested. Needs a closed manifold.
+/// Sander et al. 2000, "Silhouette clipping", section 3: edges collapse to the point outside of all planes around them
+/// that adds the least volume. Nothing else is tested. Needs a closed manifold.
 BaselineResult progressive_hull(const SourceMesh& source, std::int64_t faces);
 
 /// Contours of the distance from the source, decimated by edge collapse (Lindstrom and Turk) and freed of

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/zoo.h"
 
-#include "bench/common/process.h"
+#include "bench/common/clock.h"
 #include "bench/zoo/clean.h"
 #include "bench/zoo/gallery.h"
 #include "cagegen/tool/bake_mesh.h"
@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <chrono>
 #include <string_view>
 #include <utility>
 
@@ -32,7 +31,7 @@ bool has_mesh_extension(const fs::path& file) {
 
 /// In the child. The outcome travels as JSON, so that the reader's refusals can be told from failures.
 Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path& gallery) {
-  const auto began = std::chrono::steady_clock::now();
+  const bench::Stopwatch watch;
   TriangleMesh mesh;
   try {
     mesh = tool::read_mesh(file);
@@ -43,7 +42,7 @@ Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path&
   // What follows is not part of a bake.
   const tool::Usage usage = tool::process_usage();
   Json figures = tool::to_json(baked);
-  figures["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  figures["seconds"] = 1e-3 * watch.milliseconds();
   figures["bake_seconds"] = baked.report.seconds;
   figures["cpu_seconds"] = usage.cpu_seconds;
   figures["peak_rss_bytes"] = usage.peak_rss_bytes;

@@ -28,8 +28,8 @@ struct AssetRunOptions {
   bool cold = false;  ///< asks the system to forget the files before
 };
 
-/// One way once, in a process of its own: what it needs until the first answer, per step afterwards, and of memory.
-/// The pairs of every step and, now and then, their triangles are hashed. Times are wall clock. Keys as in command.cpp.
+/// One way once, in a process of its own: what it needs until the first answer, per step afterwards, and of memory. The
+/// pairs of every step and, now and then, their triangles are hashed. Times are wall clock. Keys as in command.cpp.
 nlohmann::ordered_json run_way(const Way& way, const std::vector<std::filesystem::path>& files,
                                const AssetRunOptions& options);
 

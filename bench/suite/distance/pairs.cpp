@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/suite/distance/pairs.h"
 
+#include "bench/common/recorded_poses.h"
+#include "bench/common/statistics.h"
+
 #include <encage/error.h>
 
 #include <algorithm>
@@ -11,24 +14,18 @@
 namespace encage::distances {
 namespace {
 
-/// Where the body is in a step, if at all.
-const BodyPose* find(const PoseStep& step, std::int32_t body) {
-  const auto at = std::lower_bound(step.bodies.begin(), step.bodies.end(), body,
-                                   [](const BodyPose& b, std::int32_t number) { return b.body < number; });
-  return at != step.bodies.end() && at->body == body ? &*at : nullptr;
-}
-
 TrianglePair nearest_before(const Shape& shape, const PoseStep& before, std::int32_t body_a, std::int32_t body_b) {
-  const BodyPose *a = find(before, body_a), *b = find(before, body_b);
+  const BodyPose *a = bench::find_body(before, body_a), *b = bench::find_body(before, body_b);
   if (a == nullptr || b == nullptr) return {-1, -1};
   const DistanceResult found = distance(shape, Motion::resting(a->pose), shape, Motion::resting(b->pose));
   return {found.triangle_a, found.triangle_b};
 }
 
-std::vector<DistancePair> evenly_spread(std::vector<DistancePair> all, std::size_t most) {
-  if (all.size() <= most) return all;
+std::vector<DistancePair> some_of(const std::vector<DistancePair>& all, std::size_t most) {
   std::vector<DistancePair> some;
-  for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
+  for (const std::int64_t i : bench::evenly_spread(std::ssize(all), static_cast<std::int64_t>(most))) {
+    some.push_back(all[static_cast<std::size_t>(i)]);
+  }
   return some;
 }
 
@@ -66,7 +63,7 @@ std::vector<PairClass> make_pairs(const Shape& shape, double diagonal, const std
   }
   if (far.pairs.empty()) throw Error("the poses have no pairs of bodies");
   classes.push_back(std::move(far));
-  for (PairClass& one : classes) one.pairs = evenly_spread(std::move(one.pairs), most);
+  for (PairClass& one : classes) one.pairs = some_of(one.pairs, most);
   std::erase_if(classes, [](const PairClass& one) { return one.pairs.empty(); });
   return classes;
 }

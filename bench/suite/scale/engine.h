@@ -22,8 +22,8 @@ class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
 
-  /// Tells the engine what has moved and appends all pairs of bodies whose boxes overlap or touch, in
-  /// double precision, each once, in any order.
+  /// Tells the engine what has moved and appends all pairs of bodies whose boxes overlap or touch, in double precision,
+  /// each once, in any order.
   virtual void step(const ScaleFrame& frame, std::vector<PairKey>& pairs) = 0;
 
  protected:

@@ -15,7 +15,7 @@ namespace encage::scale {
 
 enum class ScaleSceneKind {
   gas,    ///< bodies cross a cube in all directions, bounce at its walls and spin
-  pile,   ///< a dense lattice in which every body rattles about its place
+  pile,   ///< a dense lattice in which every body rattles about its position
   flow,   ///< a shaft in which bodies fall, faster in the middle, and start at the top again
   tenth,  ///< gas of which one body in ten moves
 };

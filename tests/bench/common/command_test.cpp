@@ -134,7 +134,7 @@ TEST_F(CommandLine, ASubcommandIsChosenByItsName) {
   EXPECT_EQ(a.runs, 9);
   ran.clear();
   for (const std::vector<std::string>& bad :
-       std::vector<std::vector<std::string>>{{}, {"three"}, {"one", "two"}, {"--runs", "2"}}) {
+       std::vector<std::vector<std::string>>{{}, {"three"}, {"--runs", "2"}, {"one", "--runs", "0"}}) {
     EXPECT_EQ(run_named(bad), 2);
     EXPECT_EQ(ran, "");
   }
