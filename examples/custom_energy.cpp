@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes a cage with an energy of one's own: of a model that stands on a floor, as little as possible shall reach below.
+// Bakes a cage with an energy of its own: as little as possible of the cage shall reach below the floor on which the
+// model stands.
 #include <encage/asset.h>
 #include <encage/bake.h>
 
@@ -8,7 +9,7 @@
 
 namespace {
 
-/// The volume, plus the squared depth of every vertex below the floor.
+/// The volume, plus a penalty: the squared depth of every vertex below the floor.
 class FloorEnergy : public encage::CageEnergy {
  public:
   FloorEnergy(double floor, double weight) : floor_(floor), weight_(weight) {}
@@ -26,8 +27,8 @@ class FloorEnergy : public encage::CageEnergy {
   }
 
  private:
-  double floor_;   // z, in the frame of the cages
-  double weight_;  // length: value() is a volume
+  double floor_;   // its z coordinate, in the frame of the cages
+  double weight_;  // a length, as value() is a volume
   encage::EnergyPtr volume_ = encage::volume_energy();
 };
 

@@ -4,6 +4,7 @@
 #include "bench/common/clock.h"
 #include "bench/zoo/clean.h"
 #include "bench/zoo/gallery.h"
+#include "cagegen/cli/usage.h"
 #include "cagegen/tool/bake_mesh.h"
 
 #include <encage/error.h>
