@@ -17,6 +17,9 @@
 
 namespace encage::makers {
 
+/// Distance that a level keeps to itself, in clearances: the next level must fit between two of its strands.
+constexpr double self_clearances = 6;
+
 struct LevelRequest {
   const TriangleMesh* inner = nullptr;               ///< what must be enclosed; the obstacle is made of it
   const TriangleMesh* clean = nullptr;               ///< the same surface without degenerate triangles

@@ -13,7 +13,7 @@
 
 namespace encage::proof {
 
-/// A mesh with what the proofs need to know about it. Refers to the mesh.
+/// A mesh with its connectivity and box tree, for the proofs. Refers to the mesh.
 struct Surface {
   const TriangleMesh& mesh;
   Connectivity connectivity;

@@ -12,11 +12,11 @@ namespace encage::makers {
 
 namespace {
 
-constexpr int kRounds = 8;                 // of cutting planes for one placement
-constexpr double kLift = 3;                // clearances that a placement aims for
-constexpr std::size_t kHitLimit = 64;      // per triangle and round
-constexpr double kThinnest = 1e-4;         // height / longest edge of a cage triangle
-constexpr std::int32_t kMovedVertex = -1;  // index of the vertex being placed
+constexpr int most_rounds = 8;             // of cutting planes for one placement
+constexpr double lift_clearances = 3;      // clearances that a placement aims for
+constexpr std::size_t hit_limit = 64;      // per triangle and round
+constexpr double thinnest_shape = 1e-4;    // height / longest edge of a cage triangle
+constexpr std::int32_t moved_vertex = -1;  // index of the vertex being placed
 
 }  // namespace
 
@@ -203,14 +203,14 @@ std::optional<Placement> CageEditor::plan_tightening(std::int32_t vertex, double
 std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d& a, const Point& b,
                                        const Point& centre) {
   const double clearance = options_.clearance;
-  const double lift = kLift * clearance + 4 * rounding_;
+  const double lift = lift_clearances * clearance + 4 * rounding_;
   // One plane a ring edge: that through the edge over the part of the obstacle that needs it steepest.
   std::vector<HalfSpace>& planes = scratch_.planes;
   std::vector<HalfSpace>& active = scratch_.active;
   std::vector<std::int32_t>& found = scratch_.hits;
   planes.assign(patch.ring.size(), {Point::Zero(), 0});
   Point last = Point::Constant(std::numeric_limits<double>::quiet_NaN());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < most_rounds; ++round) {
     active.clear();
     for (const HalfSpace& plane : planes) {
       if (!plane.normal.isZero(0)) active.push_back({plane.normal, plane.offset - plane.normal.dot(centre)});
@@ -241,7 +241,7 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
         continue;
       }
       found.clear();
-      obstacle_.hits(prism, clearance, kHitLimit, found);
+      obstacle_.hits(prism, clearance, hit_limit, found);
       if (found.empty()) continue;
       double needed = 0;
       for (const std::int32_t t : found) {
@@ -265,7 +265,7 @@ bool CageEditor::well_shaped(const Patch& patch, const Point& p) const {
     const Point e = position_[edge.b] - position_[edge.a];
     const Point f = p - position_[edge.a];
     const double longest2 = std::max({e.squaredNorm(), f.squaredNorm(), (p - position_[edge.b]).squaredNorm()});
-    if (!(e.cross(f).norm() > kThinnest * longest2)) return false;
+    if (!(e.cross(f).norm() > thinnest_shape * longest2)) return false;
   }
   return true;
 }
@@ -322,7 +322,7 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
     for (std::size_t j = i + 1; j < n; ++j) {
       const RingEdge& e = patch.ring[i];
       const RingEdge& f = patch.ring[j];
-      if (!separated({kMovedVertex, e.a, e.b}, {p, position_[e.a], position_[e.b]}, {kMovedVertex, f.a, f.b},
+      if (!separated({moved_vertex, e.a, e.b}, {p, position_[e.a], position_[e.b]}, {moved_vertex, f.a, f.b},
                      {p, position_[f.a], position_[f.b]}, options_.self_clearance)) {
         return false;
       }
@@ -339,7 +339,7 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
     tree_.traverse(filter, [&](std::int32_t t) {
       if (!clear || mark_[t] == stamp_) return;
       ++Obstacle::work();
-      clear = separated({kMovedVertex, edge.a, edge.b}, mine, triangle_[t], corners(t), clearance);
+      clear = separated({moved_vertex, edge.a, edge.b}, mine, triangle_[t], corners(t), clearance);
     });
     if (!clear) return false;
   }

@@ -19,12 +19,10 @@ namespace encage::makers {
 namespace {
 
 // Decided by experiment on octopus, fandisk, elephant and armadillo.
-constexpr double kQuadricWeight = 10;
-constexpr double kOffset = 2e-4;                        // height of an offset start, diagonals
-constexpr double kWrapOffset = 1.0 / 12;                // of the wrap's alpha
-constexpr std::uint64_t kWorkPerLevel = 2'000'000'000;  // triangle tests of one candidate
-constexpr double kSelfClearance = 6;  // clearances: the next level must fit between two strands of this one
-constexpr double kExplosion = 20;     // a candidate may grow to so many times its start
+constexpr double collapse_quadric_weight = 10;
+constexpr double offset_height = 2e-4;                   // height of an offset start, diagonals
+constexpr std::uint64_t work_per_level = 2'000'000'000;  // triangle tests of one candidate
+constexpr double explosion_factor = 20;                  // a candidate may grow to so many times its start
 
 struct Start {
   enum class Kind { decimate, wrap, hull } kind;
@@ -76,7 +74,7 @@ std::string name(const Start& start) {
 
 std::optional<TriangleMesh> make_decimation(double parameter, const Obstacle& obstacle, const LevelRequest& request) {
   const TriangleMesh& clean = *request.clean;
-  const double height = kOffset * request.diagonal;
+  const double height = offset_height * request.diagonal;
   const double available = static_cast<double>(clean.triangles.rows());
   // Coarse decimations fold or cut through more often: then a finer one.
   double faces = parameter * static_cast<double>(request.faces);
@@ -100,14 +98,14 @@ std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, c
     start = {Start::Kind::wrap, start.fallback};
   }
   const double alpha = request.diagonal / start.parameter;
-  return wrap_start(obstacle, *request.clean, alpha, alpha * kWrapOffset, request.clearance);
+  return wrap_start(obstacle, *request.clean, alpha, alpha * wrap_offset, request.clearance);
 }
 
 EditorOptions editor_options(const LevelRequest& request) {
   EditorOptions options;
   options.clearance = request.clearance;
-  options.self_clearance = kSelfClearance * request.clearance;
-  options.quadric_weight = kQuadricWeight;
+  options.self_clearance = self_clearances * request.clearance;
+  options.quadric_weight = collapse_quadric_weight;
   return options;
 }
 
@@ -120,8 +118,8 @@ std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelR
   CageEditor editor(obstacle, *cage, editor_options(request));
   CollapseLimits limits;
   limits.faces = request.faces;
-  limits.added_volume = kExplosion * volume;
-  limits.work = kWorkPerLevel;
+  limits.added_volume = explosion_factor * volume;
+  limits.work = work_per_level;
   limits.progress = [&](double fraction) {
     control.throw_if_cancelled();
     progress(fraction);
@@ -174,7 +172,7 @@ Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const Lev
   tighten(editor);
   ContactOptions options;
   options.clearance = request.clearance;
-  options.self_clearance = kSelfClearance * request.clearance;
+  options.self_clearance = self_clearances * request.clearance;
   options.threads = request.threads;
   options.check = [&] { control.throw_if_cancelled(); };
   Candidate finished{editor.extract(), 0, candidate.start};

@@ -44,7 +44,7 @@ struct Contacts {
 };
 
 // Starts may come closer to themselves than edits are allowed to: short edges bring triangles together.
-constexpr double kSelfClearance = 1e-3;
+constexpr double start_self_clearances = 1e-3;
 
 Contacts find_contacts(const Obstacle& obstacle, const TriangleMesh& cage, double clearance,
                        const std::vector<bool>* only) {
@@ -63,7 +63,7 @@ Contacts find_contacts(const Obstacle& obstacle, const TriangleMesh& cage, doubl
     tree.traverse(obstacle.near(prism, clearance), [&](std::int32_t other) {
       if (other == static_cast<std::int32_t>(t) || contacts.self[t]) return;
       if (!separated(indices(cage, static_cast<std::int64_t>(t)), mine, indices(cage, other), corners(cage, other),
-                     kSelfClearance * clearance)) {
+                     start_self_clearances * clearance)) {
         contacts.self[t] = true;
         contacts.self[other] = true;
       }

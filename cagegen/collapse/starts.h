@@ -31,6 +31,9 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces);
 /// The outermost surfaces of CGAL's alpha wrap of a mesh without degenerate triangles; alpha and offset are lengths.
 TriangleMesh alpha_wrap(const TriangleMesh& clean, double alpha, double offset);
 
+/// The offset of an alpha wrap, of its alpha.
+constexpr double wrap_offset = 1.0 / 12;
+
 /// An alpha wrap that is clear of the obstacle.
 std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
                                        double clearance);

@@ -13,8 +13,7 @@ namespace encage::makers {
 
 namespace {
 
-constexpr double kWrapOffset = 1.0 / 12;  // of the wrap's alpha
-constexpr double kGap = 10;               // clearances between parts of a coarse mesh
+constexpr double part_gap = 10;  // clearances between parts of a coarse mesh
 
 /// Parts inside others, and voids, are not worth a cage's triangles.
 std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
@@ -30,7 +29,7 @@ std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
 std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRequest& request,
                                          const FlowChoices& choices, const std::function<void()>& check) {
   std::vector<CoarseSource> sources;
-  const double gap = kGap * request.clearance;
+  const double gap = part_gap * request.clearance;
   if (choices.coarse != nullptr) {
     return {{"user", [&choices]() -> std::optional<TriangleMesh> {
                TriangleMesh mesh = *choices.coarse;
@@ -40,7 +39,7 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRe
   }
   const auto wrap = [&obstacle, &request](double parameter) {
     const double alpha = request.diagonal / parameter;
-    return wrap_start(obstacle, *request.clean, alpha, alpha * kWrapOffset, request.clearance);
+    return wrap_start(obstacle, *request.clean, alpha, alpha * wrap_offset, request.clearance);
   };
   if (choices.decimator) {
     sources.push_back({choices.decimator_name.empty() ? "decimator" : choices.decimator_name,

@@ -48,12 +48,12 @@ TriangleMesh expand(const TriangleMesh& coarse, const TriangleMesh& flowed, std:
   ContactSolver solver(coarse, options);
   const SignedDistance distance(flowed, Sign::winding);
   const Obstacle cutting(part(flowed, stuck));
-  Moves moves(solver.places().size());
+  Moves moves(solver.positions().size());
   for (std::size_t f = 0; f < solver.face_count(); ++f) {
     const auto& face = solver.face(f);
-    const Corners corner{solver.places()[face[0]], solver.places()[face[1]], solver.places()[face[2]]};
+    const Corners corner{solver.positions()[face[0]], solver.positions()[face[1]], solver.positions()[face[2]]};
     std::int32_t start = 0;
-    for (const auto& weight : kQuadrature) {
+    for (const auto& weight : quadrature_weights) {
       const Point p = weight[0] * corner[0] + weight[1] * corner[1] + weight[2] * corner[2];
       const Nearest nearest = distance.nearest(p, start);
       start = nearest.triangle;
@@ -64,7 +64,7 @@ TriangleMesh expand(const TriangleMesh& coarse, const TriangleMesh& flowed, std:
     if (!prism.valid || !cutting.hit(prism, gap)) continue;
     for (const std::int32_t v : face) moves.add(v, 1, reach * prism.normal);
   }
-  ContactSolver::Places wanted = solver.places();
+  ContactSolver::Positions wanted = solver.positions();
   for (std::size_t v = 0; v < wanted.size(); ++v) wanted[v] += moves.mean(v, reach);
   // Nothing else is in the way: F is still being moved.
   const Obstacle nothing{TriangleMesh()};

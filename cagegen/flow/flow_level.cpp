@@ -23,19 +23,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kFlowGap = 1e-4;      // diagonals that F keeps to the coarse mesh; at least
-constexpr double kFlowClearances = 4;  // clearances
+constexpr double least_flow_gap = 1e-4;  // diagonals that F keeps to the coarse mesh; at least
+constexpr double flow_clearances = 4;    // clearances
 // Of the time that one coarse mesh takes, where a stage ends.
-constexpr double kDecimateShare = 0.15;
-constexpr double kFlowShare = 0.25;
-constexpr double kInflateShare = 0.4;
-constexpr int kFlowSteps = 150;
-constexpr int kExpansions = 10;
-constexpr int kExpansionPatience = 3;
-constexpr double kExpansionReach = 1e-2;  // diagonals, of one expansion
-constexpr std::int64_t kCompete = 300;    // faces up to which all coarse meshes are nested, and the tightest kept
-constexpr double kFarMotion = 0.12;       // sizes of a coarse triangle, beyond which a wrap competes with decimations
-constexpr double kSelfClearance = 6;      // clearances: the next level must fit between two strands of this one
+constexpr double decimate_share = 0.15;
+constexpr double flow_share = 0.25;
+constexpr double inflate_share = 0.4;
+constexpr int flow_steps = 150;
+constexpr int most_expansions = 10;
+constexpr int expansion_patience = 3;
+constexpr double expansion_reach = 1e-2;     // diagonals, of one expansion
+constexpr std::int64_t compete_faces = 300;  // faces up to which all coarse meshes are nested, and the tightest kept
+constexpr double far_motion = 0.12;  // sizes of a coarse triangle, beyond which a wrap competes with decimations
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -59,7 +58,7 @@ class FlowLevel {
   LevelResult run(const Accept& accept) {
     const auto check = [this] { control_.throw_if_cancelled(); };
     const std::vector<CoarseSource> sources = coarse_sources(obstacle_, request_, choices_, check);
-    const bool compete = request_.faces <= kCompete;
+    const bool compete = request_.faces <= compete_faces;
     std::size_t next = 0;
     while (next < sources.size()) {
       std::vector<FlowedPtr> flowed;
@@ -113,7 +112,7 @@ class FlowLevel {
     for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
       area += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm() / 2;
     }
-    return flowed.front()->moved > kFarMotion * std::sqrt(area / static_cast<double>(mesh.triangles.rows()));
+    return flowed.front()->moved > far_motion * std::sqrt(area / static_cast<double>(mesh.triangles.rows()));
   }
 
   /// Null if F cannot be brought in.
@@ -125,9 +124,9 @@ class FlowLevel {
            "no coarse mesh of " + std::to_string(request_.faces) + " faces without self-intersection comes of it");
       return nullptr;
     }
-    report(kDecimateShare);
+    report(decimate_share);
     const auto start = Clock::now();
-    auto in = std::make_unique<Flowed>(*coarse, flow_into(*request_.inner, *coarse, kFlowSteps));
+    auto in = std::make_unique<Flowed>(*coarse, flow_into(*request_.inner, *coarse, flow_steps));
     in->result.candidate.start = source.name;
     in->result.undeformed = std::move(*coarse);
     const int expansions = in->flow.inside ? 0 : expand_and_flow(in->cage, in->flow);
@@ -173,7 +172,7 @@ class FlowLevel {
     return settle();
   }
 
-  double flow_gap() const { return std::max(kFlowGap * request_.diagonal, kFlowClearances * request_.clearance); }
+  double flow_gap() const { return std::max(least_flow_gap * request_.diagonal, flow_clearances * request_.clearance); }
 
   /// Makes room where F is stuck, and lets it flow on from there. Returns how often.
   int expand_and_flow(TriangleMesh& cage, FlowResult& flowed) const {
@@ -181,10 +180,10 @@ class FlowLevel {
     std::size_t fewest = flowed.stuck.size();
     int last_gain = 0;
     int expansions = 0;
-    while (!flowed.inside && expansions < kExpansions && expansions < last_gain + kExpansionPatience) {
+    while (!flowed.inside && expansions < most_expansions && expansions < last_gain + expansion_patience) {
       fine.vertices = flowed.positions;
-      cage = expand(cage, fine, flowed.stuck, flow_gap(), kExpansionReach * request_.diagonal, contact_options());
-      FlowResult more = flow_into(fine, cage, kFlowSteps / 3);
+      cage = expand(cage, fine, flowed.stuck, flow_gap(), expansion_reach * request_.diagonal, contact_options());
+      FlowResult more = flow_into(fine, cage, flow_steps / 3);
       flowed.history.append(more.history);
       more.history = std::move(flowed.history);
       more.smoothing_steps += flowed.smoothing_steps;
@@ -224,7 +223,7 @@ class FlowLevel {
     reinflation.energy = choices_.inflate.get();
     reinflation.path = choices_.path;
     reinflation.origin = request_.origin;
-    reinflation.progress = [&](double fraction) { report(kFlowShare + fraction * (kInflateShare - kFlowShare)); };
+    reinflation.progress = [&](double fraction) { report(flow_share + fraction * (inflate_share - flow_share)); };
     const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
     if (!reached.reached) {
       fail(result.candidate.start, reached.failure);
@@ -244,7 +243,7 @@ class FlowLevel {
     minimization.fine = request_.inner;
     minimization.rest = &rest;
     minimization.energy = choices_.final.get();
-    minimization.progress = [&](double fraction) { report(kInflateShare + fraction * (1 - kInflateShare)); };
+    minimization.progress = [&](double fraction) { report(inflate_share + fraction * (1 - inflate_share)); };
     minimize(solver, obstacle_, minimization);
   }
 
@@ -263,7 +262,7 @@ class FlowLevel {
       if (!volume) continue;
       EditorOptions editing;
       editing.clearance = request_.clearance;
-      editing.self_clearance = kSelfClearance * request_.clearance;
+      editing.self_clearance = self_clearances * request_.clearance;
       CageEditor editor(obstacle_, cage, editing);
       tighten(editor);
       cage = editor.extract();
@@ -275,7 +274,7 @@ class FlowLevel {
   ContactOptions contact_options() const {
     ContactOptions options;
     options.clearance = request_.clearance;
-    options.self_clearance = kSelfClearance * request_.clearance;
+    options.self_clearance = self_clearances * request_.clearance;
     options.threads = request_.threads;
     options.check = [this] { control_.throw_if_cancelled(); };
     return options;

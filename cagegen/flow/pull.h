@@ -11,7 +11,7 @@
 namespace encage::makers {
 
 /// Barycentric coordinates of the second-order quadrature points of a triangle; each weighs a third of it.
-inline constexpr std::array<std::array<double, 3>, 3> kQuadrature{
+inline constexpr std::array<std::array<double, 3>, 3> quadrature_weights{
     {{2.0 / 3, 1.0 / 6, 1.0 / 6}, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 6, 2.0 / 3}}};
 
 /// What one triangle of weight 1 asks of its corners f: the sums over its quadrature points p that miss their depth m,

@@ -13,7 +13,7 @@
 namespace encage::makers {
 
 struct ReinflateRequest {
-  const TriangleMesh* fine = nullptr;  ///< F at its own place
+  const TriangleMesh* fine = nullptr;  ///< F at its home position
   const TriangleMesh* rest = nullptr;  ///< C^, with the solver's triangles
   const FlowResult* flowed = nullptr;  ///< F inside C^, and how it got there
   const CageEnergy* energy = nullptr;  ///< minimised in every step
@@ -31,9 +31,9 @@ struct ReinflateResult {
   std::string failure;  ///< if not reached: where and why
 };
 
-/// Moves F from inside C^ back to its own place, as an obstacle of infinite mass, while the cage gives way: Nested
-/// Cages, section 3.2 and algorithm 3. `solver` holds C^, valid around the flowed F; it ends valid around `home`, F at
-/// its own place, if that is reached, else around some place on the way.
+/// Moves F from inside C^ back home, as an obstacle of infinite mass, while the cage gives way: Nested Cages, section 3.2
+/// and algorithm 3. `solver` holds C^, valid around the flowed F; it ends valid around `home`, or around F somewhere on
+/// the way if that is not reached.
 ReinflateResult reinflate(ContactSolver& solver, const ReinflateRequest& request, const Obstacle& home);
 
 }  // namespace encage::makers

@@ -53,7 +53,7 @@ class SignedDistance {
 
   Triangles corners_;                              ///< vertex indices
   std::vector<Triangle> triangles_;                ///< in the order of the tree's leaves
-  std::vector<std::int32_t> place_;                ///< of each triangle of the mesh in triangles_
+  std::vector<std::int32_t> slot_;                 ///< of each triangle of the mesh in triangles_
   std::vector<Point> face_normal_;                 ///< unit, per triangle of the mesh
   std::vector<std::array<Point, 3>> edge_normal_;  ///< sum of the faces' at the edge corner k -> k + 1
   std::vector<Point> vertex_normal_;               ///< weighted by the angles

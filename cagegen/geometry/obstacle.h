@@ -99,7 +99,7 @@ class Obstacle {
   static std::uint64_t& work();
 
  private:
-  void place(const Vertices& vertices);
+  void set_vertices(const Vertices& vertices);
 
   std::vector<std::array<std::int32_t, 3>> triangle_;  ///< vertices
   std::vector<Corners> corners_;

@@ -17,7 +17,7 @@ namespace encage::makers {
 /// may move (update) or go (remove); boxes then only grow, so rebuild after many changes.
 class TriangleTree {
  public:
-  static constexpr std::int32_t kNone = -1;
+  static constexpr std::int32_t no_slot = -1;
 
   TriangleTree() = default;
   /// Primitives with an empty box are left out.
@@ -97,7 +97,7 @@ class TriangleTree {
     float high[3][4];
     std::int32_t child[4];
     std::array<Kind, 4> kind{};
-    std::int32_t parent = kNone;  ///< node * 4 + lane
+    std::int32_t parent = no_slot;  ///< node * 4 + lane
   };
 
   /// The four boxes of a node, loaded.
@@ -117,7 +117,7 @@ class TriangleTree {
   static void set_box(Node& node, int lane, const Eigen::AlignedBox3d& box);
 
   std::vector<Node> nodes_;
-  std::vector<std::int32_t> place_;  ///< per primitive: node * 4 + lane
+  std::vector<std::int32_t> slot_;  ///< per primitive: node * 4 + lane
 };
 
 }  // namespace encage::makers

@@ -12,7 +12,7 @@
 namespace encage::io {
 namespace {
 
-/// Elements of an accessor in place: `count` of them, `stride` bytes apart.
+/// The elements of an accessor, not copied: `count` of them, `stride` bytes apart.
 struct View {
   const unsigned char* data = nullptr;
   std::size_t stride = 0;
@@ -108,7 +108,7 @@ class Scene {
     }
   }
 
-  void add_mesh(int number, const Eigen::Affine3d& place) {
+  void add_mesh(int number, const Eigen::Affine3d& to_scene) {
     if (number >= static_cast<int>(model_.meshes.size())) fail(file_, "mesh", number, "does not exist");
     std::map<int, std::int64_t> bases;  // accessor -> first vertex: primitives often share their vertices
     for (const tinygltf::Primitive& primitive : model_.meshes[number].primitives) {
@@ -123,18 +123,18 @@ class Scene {
       if (positions.component != TINYGLTF_COMPONENT_TYPE_FLOAT) {
         fail(file_, "accessor", position->second, "positions must be float (quantized meshes are not supported)");
       }
-      if (is_new) add_vertices(positions, place);
+      if (is_new) add_vertices(positions, to_scene);
       // A mirroring transform turns the winding (glTF 2.0, section 3.7.2.1).
       add_triangles(primitive.indices, mode, base->second, static_cast<std::int64_t>(positions.count),
-                    place.linear().determinant() < 0);
+                    to_scene.linear().determinant() < 0);
     }
   }
 
-  void add_vertices(const View& positions, const Eigen::Affine3d& place) {
+  void add_vertices(const View& positions, const Eigen::Affine3d& to_scene) {
     for (std::size_t i = 0; i < positions.count; ++i) {
       const unsigned char* const data = positions.data + i * positions.stride;
       const Eigen::Vector3d point =
-          place * Eigen::Vector3d(load<float>(data), load<float>(data + 4), load<float>(data + 8));
+          to_scene * Eigen::Vector3d(load<float>(data), load<float>(data + 4), load<float>(data + 8));
       soup_.coordinates.insert(soup_.coordinates.end(), point.data(), point.data() + 3);
     }
   }

@@ -15,7 +15,7 @@
 namespace encage::render {
 
 /// Unit normals, three a triangle: each is the mean over the triangles around the corner's point that bend by less than
-/// 40 degrees. Corners at the same place count as one. Flat normals if `smooth` is false.
+/// 40 degrees. Corners at the same position count as one. Flat normals if `smooth` is false.
 std::vector<Eigen::Vector3f> corner_normals(const TriangleMesh& mesh, bool smooth);
 
 struct Ray {

@@ -70,12 +70,12 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
     return found != last ? found : boundary.end();
   };
 
-  std::vector<std::int32_t> place(static_cast<std::size_t>(last_vertex) + 1, -1);  // of a vertex on the path
+  std::vector<std::int32_t> path_index(static_cast<std::size_t>(last_vertex) + 1, -1);  // of a vertex on the path
   std::vector<Loop> loops;
   Loop path;  // begins in start.from, ends in `at`
   for (const BoundaryEdge& start : boundary) {
     std::int32_t at = start.from, component = start.component;
-    place[at] = 0;
+    path_index[at] = 0;
     for (;;) {
       const auto edge = next(at, component);
       if (edge == boundary.end()) break;
@@ -83,16 +83,16 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
       used[edge - boundary.begin()] = 1;
       path.push_back(edge->side);
       at = edge->to;
-      if (place[at] < 0) {
-        place[at] = static_cast<std::int32_t>(path.size());
+      if (path_index[at] < 0) {
+        path_index[at] = static_cast<std::int32_t>(path.size());
         continue;
       }
-      const auto first = path.begin() + place[at];
+      const auto first = path.begin() + path_index[at];
       loops.emplace_back(first, path.end());
-      for (auto side = first + 1; side != path.end(); ++side) place[head(triangles, *side)] = -1;
+      for (auto side = first + 1; side != path.end(); ++side) path_index[head(triangles, *side)] = -1;
       path.erase(first, path.end());
     }
-    place[start.from] = -1;
+    path_index[start.from] = -1;
   }
   return loops;
 }

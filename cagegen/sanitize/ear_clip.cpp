@@ -84,7 +84,7 @@ class Clipper {
     for (std::int32_t v = next_[c]; v != a; v = next_[v]) {
       const double x = points_[v].x(), y = points_[v].y();
       if (x < left || x > right || y < bottom || y > top) continue;
-      // Chains with bridges visit places twice; a vertex at a corner does not block.
+      // Chains with bridges pass positions twice; a vertex at a corner does not block.
       if (points_[v] == points_[a] || points_[v] == points_[at] || points_[v] == points_[c]) continue;
       if (turn(a, at, v) >= 0 && turn(at, c, v) >= 0 && turn(c, a, v) >= 0) {
         return false;

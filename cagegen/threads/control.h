@@ -9,12 +9,12 @@
 
 namespace encage::makers {
 
-/// Between the workers of one level and the thread that called bake().
+/// Shared by the workers of one level and the thread that called bake(): asks them to stop, and shows how far they are.
 struct Control {
   const std::atomic<bool>* cancel = nullptr;
   std::optional<std::chrono::steady_clock::time_point> deadline;
   std::atomic<bool> out_of_time{false};
-  std::atomic<double> fraction{0};     ///< of the level
+  std::atomic<double> fraction{0};     ///< of the level that is done
   std::atomic<bool> abandoned{false};  ///< the caller's own functions threw
 
   bool cancelled() const {

@@ -10,7 +10,7 @@
 
 namespace encage {
 
-/// Messages of the thread that works, kept for the thread that called bake(), which alone may pass them on.
+/// Keeps the messages of workers until the thread that called bake() passes them on.
 class Journal {
  public:
   /// From any thread.

@@ -30,7 +30,7 @@ namespace ENCAGE_EXPORT encage {
 /// files without faces.
 PolygonMesh read_polygon_mesh(const std::filesystem::path& file);
 
-/// The same, triangulated.
+/// read_polygon_mesh(), triangulated.
 TriangleMesh read_mesh(const std::filesystem::path& file);
 
 /// Writes OBJ, PLY, STL or OFF by the extension, atomically (a temporary in the same folder, then a rename).
@@ -108,7 +108,7 @@ enum class CheckVerdict {
 
 const char* name(CheckVerdict verdict) noexcept;
 
-/// What came of checking an asset again.
+/// The result of check_asset().
 struct CheckReport {
   struct Check {
     std::string subject;  ///< e.g. "level 2 nesting"
@@ -130,28 +130,29 @@ CheckReport check_asset(const CageHierarchy& hierarchy, const SourceMesh* source
 
 enum class BakeMethod { automatic, collapse, flow };
 enum class Topology { any, keep, simplify };
-/// How F goes back to its place in the re-inflation: in a straight line, or along the flow's history as in the paper.
+/// How the re-inflation moves F back home: in a straight line, or along the flow's history as in the paper.
 enum class FlowPath { straight, history };
 
 struct BakeOptions {
-  /// Triangles per level, fine to coarse. Empty: `ratio` and `level_count`; if these are unset as well, a choice that
-  /// suits the input's size.
+  /// Triangles per level, fine to coarse, at least 4. Empty: `ratio` and `level_count` decide; if these are unset as
+  /// well, Encage chooses by the input's size.
   std::vector<std::int64_t> faces;
   std::optional<double> ratio;  ///< faces of a level / faces of the one before, in (0,1)
   std::optional<int> level_count;
   BakeMethod method = BakeMethod::automatic;
-  /// any: whatever is tightest; keep: the genus of the source; simplify: prefer fewer handles.
+  /// any takes what is tightest; keep keeps the genus of the source; simplify prefers fewer handles.
   Topology topology = Topology::any;
-  /// Of the flow, hence not for the method collapse. Empty: regular, then adaptive, and alpha wraps where they fail.
+  /// Makes the coarse meshes of the flow; excludes the method collapse. Empty: regular, then adaptive, and alpha wraps
+  /// where both fail.
   Decimator decimator;
-  std::string decimator_name;  ///< recorded in the asset: "regular", "adaptive" or a name of yours
-  /// Of the flow: coarse meshes made by the user, fine to coarse, in the source's frame, in place of decimations;
-  /// closed, oriented, manifold, free of self-intersection. Excludes `faces`, `ratio`, `level_count`, `decimator` and
-  /// the method collapse.
+  std::string decimator_name;  ///< the name that the asset records: "regular", "adaptive" or one of yours
+  /// Coarse meshes of yours for the flow instead of decimations, fine to coarse, in the source's frame; closed,
+  /// oriented, manifold and free of self-intersection. Excludes `faces`, `ratio`, `level_count`, `decimator` and the
+  /// method collapse.
   std::vector<TriangleMesh> coarse;
-  std::vector<std::string> coarse_names;  ///< of `coarse`, for messages; may be empty
-  /// Of the flow, hence not for the method collapse.
-  EnergyPtr energy_inflate;  ///< minimised while F goes back to its place; null: step_energy()
+  std::vector<std::string> coarse_names;  ///< names of `coarse` in messages; may be empty
+  /// Energies of the flow; they exclude the method collapse.
+  EnergyPtr energy_inflate;  ///< minimised while F moves back home; null: step_energy()
   EnergyPtr energy_final;    ///< minimised afterwards; null: volume_energy()
   FlowPath path = FlowPath::straight;
   bool keep_partial = false;  ///< if a level fails, return the levels made before it (at least one) instead of throwing
@@ -179,7 +180,7 @@ struct BakeReport {
     double flow_seconds = 0;       ///< 0 if the level was made by collapse
     double reinflate_seconds = 0;  ///< with the final minimisation
   };
-  std::vector<Level> levels;  ///< of the hierarchy returned
+  std::vector<Level> levels;  ///< one for each level of the hierarchy returned
   double seconds = 0;
   std::string failure;  ///< with keep_partial: the level that failed and why; else empty
 };

@@ -17,17 +17,17 @@ namespace {
 
 using shapes::Random;
 
-constexpr double kClearance = 1e-4;
+constexpr double test_clearance = 1e-4;
 
 EditorOptions options(double quadric_weight) {
   EditorOptions result;
-  result.clearance = result.self_clearance = kClearance;
+  result.clearance = result.self_clearance = test_clearance;
   result.quadric_weight = quadric_weight;
   return result;
 }
 
 TriangleMesh around(const Obstacle& obstacle, const TriangleMesh& mesh) {
-  const auto cage = offset_start(obstacle, mesh, 0.01, false, kClearance);
+  const auto cage = offset_start(obstacle, mesh, 0.01, false, test_clearance);
   EXPECT_TRUE(cage);
   return cage.value_or(mesh);
 }
@@ -35,7 +35,7 @@ TriangleMesh around(const Obstacle& obstacle, const TriangleMesh& mesh) {
 void expect_valid(const TriangleMesh& inner, const TriangleMesh& cage) {
   const CertifyResult proof = certify(inner, Solid::closed, cage);
   ASSERT_TRUE(proof.holds) << proof.reason;
-  EXPECT_GE(proof.certificate.clearance, kClearance * (1 - 1e-6));
+  EXPECT_GE(proof.certificate.clearance, test_clearance * (1 - 1e-6));
   EXPECT_EQ(cage.vertices, shapes::rounded(cage).vertices);
 }
 

@@ -13,20 +13,20 @@
 namespace encage::makers {
 namespace {
 
-constexpr double kClearance = 1e-4;
+constexpr double test_clearance = 1e-4;
 
-/// F that has flowed in equal steps from its place to `inside`.
+/// F that has flowed in equal steps from its home position to `inside`.
 FlowResult flowed(const TriangleMesh& fine, const Vertices& inside, int steps) {
   FlowResult result{true, inside, FlowHistory(fine.vertices), 0, {}};
   for (int step = 1; step <= steps; ++step) {
     std::vector<std::int32_t> moved;
-    std::vector<Eigen::Vector3f> places;
+    std::vector<Eigen::Vector3f> positions;
     const double part = static_cast<double>(step) / steps;
     for (std::int32_t v = 0; v < fine.vertices.rows(); ++v) {
       moved.push_back(v);
-      places.push_back(((1 - part) * fine.vertices.row(v) + part * inside.row(v)).cast<float>());
+      positions.push_back(((1 - part) * fine.vertices.row(v) + part * inside.row(v)).cast<float>());
     }
-    result.history.push(std::move(moved), std::move(places));
+    result.history.push(std::move(moved), std::move(positions));
   }
   if (steps > 0) result.positions = result.history.at(steps);
   return result;
@@ -40,8 +40,8 @@ struct Outcome {
 Outcome run(
     const TriangleMesh& fine, const TriangleMesh& coarse, const FlowResult& flow, const EnergyPtr& energy,
     FlowPath path = FlowPath::straight, int threads = 1, std::function<void()> check = [] {},
-    double self_clearance = 6 * kClearance) {
-  ContactSolver solver(coarse, {kClearance, self_clearance, threads, std::move(check)});
+    double self_clearance = 6 * test_clearance) {
+  ContactSolver solver(coarse, {test_clearance, self_clearance, threads, std::move(check)});
   ReinflateRequest request;
   request.fine = &fine;
   request.rest = &coarse;
@@ -58,7 +58,7 @@ void expect_nested(const TriangleMesh& fine, const Outcome& outcome) {
   EXPECT_GE(outcome.result.steps, 1);
   const CertifyResult proof = certify(fine, Solid::closed, outcome.cage);
   ASSERT_TRUE(proof.holds) << proof.reason;
-  EXPECT_GE(proof.certificate.clearance, 0.999 * kClearance);
+  EXPECT_GE(proof.certificate.clearance, 0.999 * test_clearance);
   EXPECT_EQ(outcome.cage.vertices, shapes::rounded(outcome.cage).vertices);
 }
 
@@ -106,12 +106,12 @@ TEST(Reinflate, EnergiesDecideWhereTheCageIs) {
   FlowResult flow{true, {}, FlowHistory(fine.vertices), 0, {}};
   for (const double factor : {1.2, 1.5, 1.2, 0.6}) {
     std::vector<std::int32_t> moved;
-    std::vector<Eigen::Vector3f> places;
+    std::vector<Eigen::Vector3f> positions;
     for (std::int32_t v = 0; v < fine.vertices.rows(); ++v) {
       moved.push_back(v);
-      places.push_back((factor * fine.vertices.row(v)).cast<float>());
+      positions.push_back((factor * fine.vertices.row(v)).cast<float>());
     }
-    flow.history.push(std::move(moved), std::move(places));
+    flow.history.push(std::move(moved), std::move(positions));
   }
   flow.positions = flow.history.at(4);
   const auto volume = [&](const EnergyPtr& energy) {
@@ -179,7 +179,7 @@ Pinch pinch(double gap) {
 }
 
 TEST(Reinflate, APinchIsNamed) {
-  const Pinch p = pinch(1.5 * kClearance);
+  const Pinch p = pinch(1.5 * test_clearance);
   for (const FlowPath path : {FlowPath::straight, FlowPath::history}) {
     const Outcome outcome = run(p.fine, p.coarse, p.flow, step_energy(), path);
     ASSERT_FALSE(outcome.result.reached);
@@ -208,11 +208,11 @@ TEST(Reinflate, APinchIsNamed) {
 
 TEST(Reinflate, StrandsComeCloserWhereTheyWouldJam) {
   // Room for the clearances to F and little more: not for the distance that the walls of the cage should keep.
-  const Pinch p = pinch(5 * kClearance);
+  const Pinch p = pinch(5 * test_clearance);
   const Outcome outcome = run(p.fine, p.coarse, p.flow, step_energy());
   expect_nested(p.fine, outcome);
   EXPECT_GT(outcome.result.reliefs, 0);
-  const Pinch wide = pinch(20 * kClearance);
+  const Pinch wide = pinch(20 * test_clearance);
   const Outcome roomy = run(wide.fine, wide.coarse, wide.flow, step_energy());
   expect_nested(wide.fine, roomy);
   EXPECT_EQ(roomy.result.reliefs, 0);
