@@ -18,14 +18,14 @@
 
 namespace encage {
 
-/// A surface in the local frame of its hierarchy, ready for queries. Its arrays live in the Shape.
+/// A surface in the local frame of its hierarchy, ready for queries. The Shape owns its arrays.
 struct Surface : MeshArraysView {
   Surface() = default;
   explicit Surface(const MeshArraysView& arrays);
 
   bool closed = false;                              ///< has no boundary: winding numbers mean something
   double radius = 0;                                ///< largest distance of a vertex from the local origin, rounded up
-  Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< of all vertices of triangles
+  Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< bounds of all vertices of triangles
   Eigen::Vector3f upper = Eigen::Vector3f::Zero();
 
   bool empty() const { return tree.leaves.empty(); }
@@ -34,8 +34,8 @@ struct Surface : MeshArraysView {
   }
 };
 
-/// A surface at the size that it has in the world: coordinates are `scale` times the stored ones. The surface
-/// must outlive it.
+/// A surface at the size that it has in the world: coordinates are `scale` times the stored ones. The surface must
+/// outlive it.
 class ScaledSurface {
  public:
   ScaledSurface(const Surface& surface, double scale = 1) : surface_(&surface), scale_(scale) {}  // NOLINT: a view
@@ -54,7 +54,7 @@ class ScaledSurface {
 class SimpleShape;
 class CompoundShape;
 
-/// A simple shape or a compound. Public headers have only its name.
+/// A simple shape or a compound. Public headers only declare its name.
 class ENCAGE_HIDDEN Shape {
  public:
   Shape(const Shape&) = delete;
@@ -62,11 +62,11 @@ class ENCAGE_HIDDEN Shape {
 
   bool is_compound() const { return is_compound_; }
   const SimpleShape& simple() const;      ///< it is no compound
-  const CompoundShape& compound() const;  ///< it is one
+  const CompoundShape& compound() const;  ///< requires a compound
 
  protected:
   explicit Shape(bool is_compound) : is_compound_(is_compound) {}
-  ~Shape() = default;  // ShapePtr knows what it deletes
+  ~Shape() = default;  // only ShapePtr deletes shapes, by their own type
 
  private:
   bool is_compound_;
@@ -83,20 +83,20 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   double fine_error = 0;       ///< distance of a source vertex from its fine vertex, at most
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty; of a mesh on demand only while a FineLease is held
-  std::size_t fine_triangles = 0, fine_vertices = 0;  ///< in memory or not
+  std::size_t fine_triangles = 0, fine_vertices = 0;  ///< also while the fine mesh is not in memory
   Outline outline;            ///< few points whose hull contains the body, for its world boxes; may be empty
-  double outline_radius = 0;  ///< largest norm of these
+  double outline_radius = 0;  ///< largest norm of the outline's points
 
   bool has_fine() const { return on_demand || !fine.empty(); }
-  /// The surface whose box bounds the body; always in memory.
+  /// Returns the surface whose box bounds the body; it is always in memory.
   const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
-  /// How far the source may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
+  /// Returns how far the source may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
   double error_in_world(double scale) const { return has_fine() ? (1 + 1e-8) * scale * fine_error : 0; }
 
-  // What the surfaces refer to.
+  // The memory that the surfaces refer to.
   std::deque<MeshArrays> owned_arrays;
   std::optional<AssetView> asset;
-  std::unique_ptr<OnDemandMesh> on_demand;  ///< of a shape of a ShapeCache that has a fine mesh
+  std::unique_ptr<OnDemandMesh> on_demand;  ///< set for a shape of a ShapeCache that has a fine mesh
 };
 
 /// One part of a compound.
@@ -115,7 +115,7 @@ struct ENCAGE_HIDDEN ShapePart {
 struct PartNode {
   Eigen::AlignedBox3d box;  ///< in the compound's frame
   std::array<std::int32_t, 2> children = {-1, -1};
-  std::int32_t part = -1;  ///< of a leaf
+  std::int32_t part = -1;  ///< used in leaves only
 };
 
 /// The union of parts, none of which is a compound.
@@ -136,7 +136,7 @@ inline const CompoundShape& Shape::compound() const {
   return static_cast<const CompoundShape&>(*this);
 }
 
-/// The shape of an asset, its fine mesh on demand.
+/// Loads the shape of an asset with its fine mesh on demand.
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,
                     std::shared_ptr<MeshBudget> budget);
 

@@ -94,11 +94,11 @@ class PairContact {
 
   // A simple shape, or the part of a compound that was tested last.
   struct Side {
-    Side(const Shape& shape, const Motion& of_whole) : whole(shape), whole_motion(of_whole) {}
+    Side(const Shape& shape, const Motion& motion_of_body) : body(shape), body_motion(motion_of_body) {}
     bool turn_to(std::int32_t triangle);  // returns false if this part is current already
 
-    const Shape& whole;
-    Motion whole_motion;
+    const Shape& body;
+    Motion body_motion;
     FineLease lease;
     const SimpleShape* part = nullptr;
     Motion motion{};
