@@ -37,7 +37,7 @@ struct Axis {
 /// The intervals that a box of the other tree covers on all axes.
 struct Covered {
   std::array<double, BoxDistance::Side::axes> low, high;
-  Axis slab;    ///< along the normal of its slab
+  Axis slab;    ///< along the normal of the box's slab
   Axis middle;  ///< towards `target`, in grid coordinates of the opened tree
 
   Covered(const BoxDistance::Side& side, const Box& box, const double* target) {
@@ -150,7 +150,7 @@ class NearLeafTraversal {
   /// A box of a tree.
   struct Ref {
     std::uint32_t link, slot;  ///< slot: node * width + lane
-    float size;                ///< TreeBoxes::sizes(), in the world
+    float size;                ///< TreeBoxes::sizes(), in world units
   };
   struct Entry {
     std::array<Ref, 2> refs;

@@ -21,7 +21,7 @@ struct BoxDistance {
     std::array<std::array<double, axes>, 3> other_size;  ///< absolute values of `other`
     std::array<double, axes> other_offset;
     std::array<std::array<double, 3>, 3> turned;  ///< [axis][coordinate]: the other body's axes, of length 1
-    std::array<double, 3> offset;                 ///< of the other's grid coordinates
+    std::array<double, 3> offset;                 ///< of the other's origin of grid coordinates
     double ratio = 1;                             ///< of the steps of both grids, in the world
     double error = 0;                             ///< of a distance, in grid steps
     double unit = 0;                              ///< one grid step in world units, rounded down

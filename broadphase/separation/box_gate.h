@@ -39,13 +39,13 @@ struct BoxGate {
     std::array<std::array<Column, 3>, 2> map;  ///< [end][column]: from the other tree's grid coordinates
     std::array<Column, 2> offset;              ///< [end]
     float step = 0;                            ///< length of a grid step in the common frame
-    float normal_scale = 0;                    ///< makes a mapped normal a normal of the same heights
+    float normal_scale = 0;                    ///< scales a mapped normal so that heights stay the same
     float moving_slab_gap = 0;                 ///< distance along the moving slab's normal that proves separation
-    bool works = false;                        ///< else nothing is proven
+    bool works = false;                        ///< if false, nothing is proven
   };
   alignas(64) Side a;  ///< a at rest, b moving
   alignas(64) Side b;  ///< b at rest, a moving
-  int ends = 2;        ///< 1: both at rest
+  int ends = 2;        ///< 1 if both are at rest
 
   /// Builds a gate that proves distances of more than `distance` in the common frame.
   BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance);

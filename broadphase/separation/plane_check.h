@@ -45,7 +45,7 @@ class PlaneCheck {
 
   const ScaledSurface surface_;
   std::array<Eigen::Vector3d, 2> normal_;  ///< of the plane, in the local frame at both ends
-  std::array<double, 2> height_;           ///< of the local origin
+  std::array<double, 2> height_;           ///< of the local origin above the plane, at both ends
   double clearance_;                       ///< height that proves absence of contact, rounding included
   double arc_;
 };

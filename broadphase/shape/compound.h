@@ -11,7 +11,7 @@ namespace encage {
 struct ENCAGE_HIDDEN MovingPart {
   const SimpleShape* shape = nullptr;
   Motion motion;
-  double slack = 0;                 ///< how far the computed motion may lead a point from its exact position
+  double slack = 0;                 ///< bounds how far the computed motion leads a point from its exact position
   std::int32_t first_triangle = 0;  ///< first triangle of the part's fine mesh, in the numbering of the whole body
   std::int32_t first_vertex = 0;
 };

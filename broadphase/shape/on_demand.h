@@ -86,8 +86,8 @@ class ENCAGE_HIDDEN OnDemandMesh {
   std::atomic<bool> resident_{false};
   std::atomic<std::uint64_t> used_at_{0};
   // Under the budget's lock.
-  std::int64_t bytes_;                // of a mesh that is built: of its sections, until that has been done
-  bool checked_ = false;              // of mapped bytes: they are as their hashes say
+  std::int64_t bytes_;                // of memory; for a mesh whose tree must be built, of its sections until then
+  bool checked_ = false;              // the mapped bytes match their hashes
   std::optional<MeshArrays> arrays_;  // built
 };
 

@@ -23,7 +23,7 @@ struct Surface : MeshArraysView {
   Surface() = default;
   explicit Surface(const MeshArraysView& arrays);
 
-  bool closed = false;                              ///< has no boundary: winding numbers mean something
+  bool closed = false;                              ///< has no boundary, so that winding numbers are defined
   double radius = 0;                                ///< largest distance of a vertex from the local origin, rounded up
   Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< bounds of all vertices of triangles
   Eigen::Vector3f upper = Eigen::Vector3f::Zero();
@@ -61,7 +61,7 @@ class ENCAGE_HIDDEN Shape {
   Shape& operator=(const Shape&) = delete;
 
   bool is_compound() const { return is_compound_; }
-  const SimpleShape& simple() const;      ///< it is no compound
+  const SimpleShape& simple() const;      ///< requires a simple shape
   const CompoundShape& compound() const;  ///< requires a compound
 
  protected:
@@ -80,9 +80,9 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   LocalFrame frame;  ///< of all surfaces; its radius is the largest of theirs
   Solid solid = Solid::closed;
   bool hollow = false;         ///< the body is its surface alone
-  double fine_error = 0;       ///< distance of a source vertex from its fine vertex, at most
+  double fine_error = 0;       ///< largest distance of a source vertex from its fine vertex
   std::vector<Surface> cages;  ///< fine to coarse; each closed
-  Surface fine;                ///< may be empty; of a mesh on demand only while a FineLease is held
+  Surface fine;                ///< may be empty; for a mesh on demand valid only while a FineLease exists
   std::size_t fine_triangles = 0, fine_vertices = 0;  ///< also while the fine mesh is not in memory
   Outline outline;            ///< few points whose hull contains the body, for its world boxes; may be empty
   double outline_radius = 0;  ///< largest norm of the outline's points
@@ -105,8 +105,8 @@ struct ENCAGE_HIDDEN ShapePart {
   Eigen::Isometry3d pose;  ///< in the compound's frame
   double scale;
   Eigen::AlignedBox3d box;      ///< in the compound's frame
-  double reach;                 ///< sum of the sizes that its position is computed from
-  int nesting;                  ///< number of compounds that it was taken out of
+  double reach;                 ///< sum of the magnitudes from which its position is computed
+  int nesting;                  ///< number of compounds that contained it
   std::int32_t first_triangle;  ///< in the numbering of all parts' fine meshes
   std::int32_t first_vertex;
 };

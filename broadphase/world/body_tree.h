@@ -139,7 +139,7 @@ class BodyTree {
   struct Entry {
     FloatBox box;
     std::uint32_t item = 0;
-    std::int32_t slot = none;   // of free ones: the next one
+    std::int32_t slot = none;   // of a free entry: the next one
     std::int32_t moved = none;  // position in moved_
   };
   // A leaf during ordering.
@@ -170,11 +170,11 @@ class BodyTree {
 
   std::vector<Entry> leaves_;  // indexed by Leaf
   std::vector<Leaf> moved_;
-  std::vector<Leaf> order_;                                   // by slot; none: empty
-  std::vector<std::uint32_t> items_;                          // the same
-  std::array<std::vector<BoxLanes>, most_levels> levels_;     // 0: slots
+  std::vector<Leaf> order_;                                   // indexed by slot; none if empty
+  std::vector<std::uint32_t> items_;                          // indexed by slot
+  std::array<std::vector<BoxLanes>, most_levels> levels_;     // level 0 has the slots
   std::array<std::vector<std::uint8_t>, most_levels> dirty_;  // 1 for nodes of which a lane has changed
-  std::vector<std::uint8_t> moved_lanes_;                     // bits, of the nodes of level 0
+  std::vector<std::uint8_t> moved_lanes_;                     // bits of the moved lanes, for the nodes of level 0
   std::vector<Centre> centres_;
   int height_ = 0;  // levels in use
   std::int32_t free_ = none;

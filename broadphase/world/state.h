@@ -77,7 +77,7 @@ class ENCAGE_HIDDEN World::State {
   // The data of every body that every search reads.
   struct alignas(64) Bounds {
     Eigen::AlignedBox3d box;  // world_box(), once pairs are collected
-    double margin = 0;        // all that is the body's own
+    double margin = 0;        // sum of the body's own margins
     std::uint64_t changed_at = 0;
   };
   // Bits of traits_.
@@ -87,8 +87,8 @@ class ENCAGE_HIDDEN World::State {
   struct Pair {
     std::uint64_t key = 0;
     std::uint64_t tested_at = 0;  // time of the following members; 0 if a body has changed since
-    Verdict verdict{};            // if asked
-    bool apart : 1 = false;       // boxes are
+    Verdict verdict{};            // valid if `asked`
+    bool apart : 1 = false;       // by their boxes
     bool asked : 1 = false;
     bool counted : 1 = false;    // by CandidateStatistics::asked
     bool refused : 1 = false;    // by CandidateOptions::accept, if this search has one
@@ -121,7 +121,7 @@ class ENCAGE_HIDDEN World::State {
   class Search;
 
   static constexpr std::uint8_t outdated = 1, listed_as_removed = 2;  // bits of outdated_
-  static constexpr std::uint8_t still_same = 2, active = 4;           // and with `outdated` of a status
+  static constexpr std::uint8_t still_same = 2, active = 4;           // the bits of a status, with `outdated`
 
   const ShapePtr& shape_of(const Body& body) const { return shapes_[index(body.shape)].shape; }
   void check_options(BodyId id, const BodyOptions& options) const;
@@ -169,9 +169,9 @@ class ENCAGE_HIDDEN World::State {
   std::vector<std::uint8_t> traits_;  // few bytes, read for every pair found
   // Nonzero for objects that were added, removed, woken or changed since pairs were collected.
   std::vector<std::uint8_t> outdated_, outdated_planes_;
-  std::vector<BodyId> collected_;              // whose pairs are known
+  std::vector<BodyId> collected_;              // the bodies whose pairs are known
   std::vector<HalfSpaceId> collected_planes_;  // the same for half-spaces
-  std::vector<std::uint32_t> removed_;         // since pairs were collected
+  std::vector<std::uint32_t> removed_;         // bodies removed since pairs were collected
 
   BodyTree tree_;
   std::uint64_t clock_ = 0;        // counts changes and searches
@@ -182,7 +182,7 @@ class ENCAGE_HIDDEN World::State {
   bool has_stirred_ = false;  // something is active only because it was changed
 
   std::vector<Pair> pairs_;  // all that are allowed and whose tree boxes overlap, sorted by key
-  SleepingPairs sleeping_;   // candidates that are left out
+  SleepingPairs sleeping_;   // candidates that the search leaves out
   std::vector<Ended> ended_;
   std::size_t ended_visited_ = 0;
   bool has_stale_pairs_ = false;  // of objects that were removed or fell asleep

@@ -40,9 +40,9 @@ struct PairOptions {
   double margin = 0;  ///< world units, >= 0
   bool boxes = true;  ///< tests the world boxes; false where the caller has tested them
   CageUse cages = CageUse::automatic;
-  int finest_cage = 0;                                  ///< the finest cage level asked
+  int finest_cage = 0;                                  ///< finest cage level tested; 0 is the finest of all
   int coarsest_cage = std::numeric_limits<int>::max();  ///< the coarsest level tested
-  bool fine = true;                                     ///< ask the fine meshes
+  bool fine = true;                                     ///< tests the fine meshes
 };
 
 /// Proves that two bodies stay farther apart than the margin while every vertex moves on its straight line, or answers

@@ -27,11 +27,11 @@ struct ShapeCacheOptions {
 };
 
 struct ShapeCacheStatistics {
-  std::int64_t resident_bytes = 0;   ///< of the fine meshes in memory
-  std::int64_t peak_bytes = 0;       ///< the most that resident_bytes has been
+  std::int64_t resident_bytes = 0;   ///< bytes of the fine meshes in memory now
+  std::int64_t peak_bytes = 0;       ///< largest resident_bytes so far
   std::int64_t resident_meshes = 0;  ///< fine meshes in memory now
-  std::int64_t faults = 0;           ///< how often a fine mesh was brought into memory
-  std::int64_t evictions = 0;        ///< how often one was taken out of it
+  std::int64_t faults = 0;           ///< number of times that a fine mesh was brought into memory
+  std::int64_t evictions = 0;        ///< number of times that one was evicted
 };
 
 /// Loads shapes whose cages stay in memory. A fine mesh is loaded when a query needs it; where room is needed, the

@@ -69,15 +69,15 @@ struct BodyOptions {
 
 /// How a pair has changed since the previous search.
 enum class PairEvent : std::uint8_t {
-  begin,    ///< was no candidate and is one
+  begin,    ///< was no candidate and is one now
   persist,  ///< was a candidate and still is
-  end,      ///< was one and no longer is: proven separated, not accepted, not allowed, or one of both removed
+  end,      ///< was a candidate and no longer is: proven separated, refused, not allowed, or a member was removed
 };
 
 /// A pair that could not be proven separated.
 struct CandidatePair {
   BodyId a = BodyId::none;
-  BodyId b = BodyId::none;                     ///< of larger index than a; none: the other is `half_space`
+  BodyId b = BodyId::none;                     ///< has a larger index than a; none if the other one is `half_space`
   HalfSpaceId half_space = HalfSpaceId::none;  ///< none if the other one is the body `b`
   PairEvent event = PairEvent::begin;
   Verdict verdict{};  ///< of the last stage tested
@@ -109,10 +109,10 @@ struct CandidateOptions {
 /// Numbers of pairs. All but the last two depend on the bodies and options alone.
 struct CandidateStatistics {
   std::int64_t overlapping = 0;             ///< allowed by filters, not asleep, world boxes not proven apart
-  std::int64_t refused = 0;                 ///< of these, by CandidateOptions::accept
+  std::int64_t refused = 0;                 ///< of these, the pairs refused by CandidateOptions::accept
   std::array<std::int64_t, 3> separated{};  ///< of these, the pairs proven separated by each Stage
-  std::int64_t candidates = 0;              ///< of these, what is left
-  std::int64_t asked = 0;                   ///< pairs tested in this search; the others had been, in an earlier one
+  std::int64_t candidates = 0;              ///< of these, the remaining pairs
+  std::int64_t asked = 0;                   ///< pairs tested in this search; the others were tested in an earlier one
   /// Pairs that the search went through: pairs that filters allow, not asleep, whose boxes overlap now or at the
   /// largest margin so far.
   std::int64_t listed = 0;

@@ -22,7 +22,7 @@ constexpr std::uint64_t align_up(std::uint64_t size) {
 /// Views into the bytes of a GLB file.
 struct Glb {
   std::span<const std::byte> head;  ///< everything before the BIN data
-  std::string_view json;            ///< with the padding behind it
+  std::string_view json;            ///< including the padding behind it
   std::span<const std::byte> bin;
 };
 

@@ -42,7 +42,7 @@ struct AssetIndex {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   double fine_error = 0;
   Solid solid = Solid::closed;
-  bool has_fine = false;     ///< the first mesh is the source
+  bool has_fine = false;     ///< the first mesh is then the source
   std::vector<Mesh> meshes;  ///< fine to coarse; at most most_meshes
 };
 

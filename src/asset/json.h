@@ -30,7 +30,7 @@ class JsonNode {
 
   JsonNode at(const char* key) const;                   ///< member of an object
   std::optional<JsonNode> find(const char* key) const;  ///< the same; no value if the key is absent
-  std::int64_t size() const;                            ///< of an array
+  std::int64_t size() const;                            ///< number of elements of an array
   JsonNode at(std::int64_t index) const;                ///< element of an array
 
   std::int64_t integer(std::int64_t low = 0, std::int64_t high = std::numeric_limits<std::int64_t>::max()) const;

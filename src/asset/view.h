@@ -28,9 +28,9 @@ const char* name(SectionKind kind) noexcept;
 struct AssetSection {
   std::string name;  ///< unique within the asset
   SectionKind kind = SectionKind::cage;
-  std::size_t element_size = 0;      ///< bytes; divides the array's
+  std::size_t element_size = 0;      ///< bytes; the size of the section is a multiple of it
   std::span<const std::byte> bytes;  ///< not empty; points into the file's image
-  Hash hash;                         ///< of the bytes, as the file says
+  Hash hash;                         ///< of the bytes, as stored in the file
 };
 
 /// The parts of an asset that are read.

@@ -24,7 +24,7 @@ static_assert(sizeof(BvhNode) == 32);
 /// of SAH-based bounding volume hierarchies"), ties broken by index: the same mesh gives the same tree on every
 /// machine.
 struct Bvh {
-  static constexpr int leaf_size = 4;   ///< triangles in a leaf, at most
+  static constexpr int leaf_size = 4;   ///< largest number of triangles in a leaf
   static constexpr int max_depth = 64;  ///< of any node; the root has depth 0. Bounds the stack of a traversal
 
   std::vector<BvhNode> nodes;

@@ -33,7 +33,7 @@ struct MeshArraysView {
   MeshView mesh;
   MeshTreeView tree;
   std::span<const OwnedFeatures> owned;  ///< one per triangle
-  std::span<const MeshPart> parts;       ///< by first triangle
+  std::span<const MeshPart> parts;       ///< sorted by first triangle
 };
 
 /// The arrays of one mesh, owned.

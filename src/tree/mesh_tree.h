@@ -37,7 +37,7 @@ struct alignas(64) MeshNode {
   static constexpr int width = 8;
   static constexpr int inner = 0, unused = -1;
   static constexpr int normal_size = 127;  ///< length of a slab's normal, before rounding
-  static constexpr int slab_unit = 256;    ///< of heights along it
+  static constexpr int slab_unit = 256;    ///< of slab_lower and slab_upper
 
   std::int16_t lower[3][width];  ///< grid coordinates, rounded outward
   std::int16_t upper[3][width];
@@ -73,7 +73,7 @@ static_assert(sizeof(LeafTriangle) == 16);
 /// Bounding volume tree of a mesh in its own frame, 8 wide. Node 0 is the root; used lanes come first. The same mesh
 /// gives the same tree on every machine.
 struct MeshTree {
-  static constexpr int leaf_size = 4;   ///< triangles in a leaf, at most
+  static constexpr int leaf_size = 4;   ///< largest number of triangles in a leaf
   static constexpr int max_depth = 64;  ///< of any node; the root has depth 0. Bounds the stack of a traversal
 
   std::vector<MeshNode> nodes;

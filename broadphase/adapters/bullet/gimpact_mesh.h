@@ -11,7 +11,7 @@ namespace encage::bullet {
 /// Properties of a GImpact mesh that decide where it may have contacts. World units, including the local scaling.
 struct GImpactMesh {
   const btStridingMeshInterface* arrays = nullptr;
-  double scale = 1;   ///< of all axes alike; 0: of each another
+  double scale = 1;   ///< the same for all axes; 0 if axes differ
   double margin = 0;  ///< the largest of the parts
   double radius = 0;  ///< largest norm of a vertex
   /// `reach` is the largest distance of a point of a box in GImpact's tree from the triangle of the box. `spread` is

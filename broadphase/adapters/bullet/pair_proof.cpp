@@ -39,7 +39,7 @@ Motion resting(const Rotation& rotation, const Eigen::Vector3d& translation, dou
 double vertex_error(const AttachedMesh& a) { return a.shape->simple().fine_error * a.mesh.scale; }
 
 constexpr double roundings = 64 * unit_roundoff;  // of the sum of all lengths involved
-constexpr double up = 1 + 1e-12;                  // of these computations themselves
+constexpr double up = 1 + 1e-12;                  // covers the rounding of these computations themselves
 
 }  // namespace
 
