@@ -32,7 +32,7 @@ Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner)
     w[k] = (b - a).cross(p - a).dot(n);
   }
   if (w.minCoeff() >= 0 && w.sum() > 0) return w / w.sum();
-  // Outside, or no triangle: the closest point of the edges.
+  // p is beside the triangle, or the triangle is degenerate: the closest point lies on an edge.
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const int k1 = (k + 1) % 3;
@@ -49,14 +49,15 @@ Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner)
   return w;
 }
 
-/// Where and in which direction two features meet, in the common frame.
+/// Position and direction of the contact of two features, in the common frame.
 struct Meeting {
   Vector on_a, on_b;  ///< at the time of contact
   Vector path;        ///< of a's point relative to b's during the step
   Vector normal;      ///< of the features, any length and sign
 };
 
-/// The vertex points[0] against the face of the others; `vertex_is_a`: it belongs to a.
+/// Meeting of the vertex points[0] and the face of the other three points. `vertex_is_a` is true if the vertex belongs
+/// to a.
 Meeting meet_vertex_face(const MovingPoints& points, double t, bool vertex_is_a) {
   const Vector p = at(points, 0, t), a = at(points, 1, t), b = at(points, 2, t), c = at(points, 3, t);
   const Vector w = weights_in_triangle(p, {a, b, c});
@@ -67,7 +68,7 @@ Meeting meet_vertex_face(const MovingPoints& points, double t, bool vertex_is_a)
   return vertex_is_a ? Meeting{p, on_face, path, normal} : Meeting{on_face, p, -path, normal};
 }
 
-/// The edge points[0] points[1] of a against points[2] points[3] of b.
+/// Meeting of the edge points[0] points[1] of a and the edge points[2] points[3] of b.
 Meeting meet_edges(const MovingPoints& points, double t) {
   const Vector p0 = at(points, 0, t), p1 = at(points, 1, t), q0 = at(points, 2, t), q1 = at(points, 3, t);
   const auto [s, r] = closest_parameters(p1 - p0, q1 - q0, p0 - q0);
@@ -79,15 +80,15 @@ Meeting meet_edges(const MovingPoints& points, double t) {
 /// Unit normal from b towards a.
 Vector orient(const Meeting& meeting, double margin) {
   const Vector apart = meeting.on_a - meeting.on_b;
-  // Across a margin the closest points show the direction; in contact their difference is rounding.
+  // Across a margin the closest points define the direction; in contact their difference is mere rounding.
   if (margin > 0 && apart.norm() > 0.5 * margin) return apart.normalized();
   Vector n = meeting.normal;
   if (!(n.squaredNorm() > smallest_square)) n = meeting.path;
   if (!(n.squaredNorm() > smallest_square)) n = apart;
   if (!(n.squaredNorm() > smallest_square)) return Vector::UnitZ();
   n.normalize();
-  // a comes from the side that it moves away from. (The side on which it still is says less: features may pass beside
-  // each other.)
+  // a comes from the side that it moves away from. Its present side is a weaker hint, since features may pass beside
+  // each other.
   const double along = n.dot(meeting.path);
   return along > 0 || (along == 0 && n.dot(apart) < 0) ? Vector(-n) : n;
 }
@@ -97,11 +98,11 @@ Vector orient(const Meeting& meeting, double margin) {
 bool PairContact::Side::turn_to(std::int32_t triangle) {
   if (part != nullptr && triangle >= first_triangle && triangle - first_triangle < triangle_count) return false;
   MovingPart moving;
-  if (whole.is_compound()) {
-    const CompoundShape& compound = whole.compound();
-    moving = moving_part(compound, part_of_triangle(compound, triangle), whole_motion);
+  if (body.is_compound()) {
+    const CompoundShape& compound = body.compound();
+    moving = moving_part(compound, part_of_triangle(compound, triangle), body_motion);
   } else {
-    moving = {&whole.simple(), whole_motion};
+    moving = {&body.simple(), body_motion};
   }
   lease = FineLease(*moving.shape);
   part = moving.shape;
@@ -191,7 +192,7 @@ void PairContact::consider(ContactKind kind, const MovingPoints& points,
   const Meeting meeting = kind == ContactKind::edge_edge
                               ? meet_edges(points, *time)
                               : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
-  // The common frame: a's start orientation, its origin moving with a's.
+  // The common frame has a's orientation at the start, and its origin moves with a's.
   const Motion& motion = a_.motion;
   const auto origin = [&](const Eigen::Isometry3d& pose) {
     return Placement(pose, motion.scale).origin(a_.part->frame);
@@ -204,11 +205,12 @@ void PairContact::consider(ContactKind kind, const MovingPoints& points,
 
 namespace {
 
-/// Hands the pairs of triangles near each other of two parts to the narrow phase.
+/// Passes the pairs of nearby triangles of two parts to the narrow phase.
 void contact_of_parts(const MovingPart& a, const MovingPart& b, const ContactOptions& options, PairContact& narrow) {
   const FineLease lease_a(*a.shape), lease_b(*b.shape);
   const PairMotion motion = pair_motion(a.shape->frame, a.motion, b.shape->frame, b.motion);
-  // What the narrow phase calls a contact must pass the culling, whatever finds the pair: rounding included twice.
+  // Every contact of the narrow phase must pass the culling, whichever way the pair was found, so rounding is included
+  // twice.
   const double margin = options.margin + a.slack + b.slack;
   const double required =
       2 * (required_distance(a.shape->frame, a.motion, b.shape->frame, b.motion, margin) + options.arc);
@@ -256,8 +258,8 @@ void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const Conta
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                                      const ContactOptions& options) {
   PairContact narrow(a, motion_a, b, motion_b, options);
-  // Parts that boxes tell apart by this much are beyond what the narrow phase calls a contact: required_distance() is
-  // below it, whatever the poses.
+  // Parts that boxes separate by this distance cannot be in contact for the narrow phase: required_distance() is below
+  // it for all poses.
   const double size = size_in_world(a, motion_a) + size_in_world(b, motion_b);
   const double margin = 2 * ((1 + 1e-6) * options.margin + options.arc) + 1e-6 * size;
   for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {

@@ -2,7 +2,7 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/distance/box_distance.cpp"
-#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+#include <hwy/foreach_target.h>  // compiles the following once for every instruction set
 
 #include "broadphase/distance/box_distance.h"
 #include "broadphase/separation/tree_boxes-inl.h"
@@ -27,17 +27,17 @@ using Vec3 = std::array<double, 3>;
 HWY_INLINE double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 HWY_INLINE double dot(const Vec3& a, const Vec3& b) { return dot(a.data(), b.data()); }
 
-/// An axis in the opened body's frame, and what a box of the other one covers of it.
+/// An axis in the opened body's frame, and the interval on it that a box of the other body covers.
 struct Axis {
   Vec3 direction;
   double low, high;
   double scale;  ///< 1 / length, or 0
 };
 
-/// What a box of the other tree covers of axes.
+/// The intervals that a box of the other tree covers on all axes.
 struct Covered {
   std::array<double, BoxDistance::Side::axes> low, high;
-  Axis slab;    ///< along the normal of its slab
+  Axis slab;    ///< along the normal of the box's slab
   Axis middle;  ///< towards `target`, in grid coordinates of the opened tree
 
   Covered(const BoxDistance::Side& side, const Box& box, const double* target) {
@@ -56,7 +56,8 @@ struct Covered {
       middle.direction[i] = target[i] - 0.5 * (low[i] + high[i]);
     }
     cover(slab, dot(slab.direction, side.offset) + side.ratio * box.height, side.ratio * box.thickness);
-    // As the other body sees it: a part along its slab's normal, and the remainder, along which the box counts.
+    // Seen from the other body, the axis is the sum of a part along its slab's normal, which the slab bounds, and a
+    // remainder, which the box bounds.
     const Vec3 seen = {dot(side.turned[0], middle.direction), dot(side.turned[1], middle.direction),
                        dot(side.turned[2], middle.direction)};
     const double part = dot(box.normal, seen.data()) * normal_weight<double>;
@@ -94,7 +95,8 @@ HWY_INLINE Vec gap_along(const Boxes& boxes, const Axis& axis) {
                  hn::Set(d, axis.scale));
 }
 
-/// Lower bounds of distances in grid steps where they are positive; elsewhere some measure of how much boxes overlap.
+/// Returns lower bounds of distances, in grid steps, where they are positive. Elsewhere the values only measure how
+/// much boxes overlap.
 HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, const Covered& box) {
   const Lanes d;
   auto widest = hn::Set(d, -std::numeric_limits<double>::infinity());
@@ -118,14 +120,14 @@ HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, cons
   return hn::IfThenElse(hn::Gt(squared, hn::Zero(d)), hn::Max(widest, hn::Sqrt(squared)), widest);
 }
 
-/// Depth first, near boxes before far ones; of a pair of boxes the larger one is opened.
+/// Depth first, near boxes before far ones. Of a pair of boxes the larger one is opened.
 class NearLeafTraversal {
  public:
   NearLeafTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit)
       : trees_{&a, &b}, sides_{&bounds.a, &bounds.b}, limit_(limit) {}
 
   void run(VisitNearLeaves visit, void* context) {
-    // The whole of b against the boxes of a's root; b's root is opened next.
+    // The traversal starts with all of b against the boxes of a's root, and opens b's root next.
     constexpr Ref root_a{0, 0, 0}, root_b{0, 0, std::numeric_limits<float>::infinity()};
     open(0, {{root_a, root_b}, 0},
          Covered(*sides_[0], Box::around(trees_[1]->nodes[0]), Box::around(trees_[0]->nodes[0]).centre));
@@ -148,7 +150,7 @@ class NearLeafTraversal {
   /// A box of a tree.
   struct Ref {
     std::uint32_t link, slot;  ///< slot: node * width + lane
-    float size;                ///< TreeBoxes::sizes(), in the world
+    float size;                ///< TreeBoxes::sizes(), in world units
   };
   struct Entry {
     std::array<Ref, 2> refs;
@@ -161,7 +163,7 @@ class NearLeafTraversal {
     return {trees_[tree]->nodes[slot / MeshNode::width], slot % MeshNode::width};
   }
 
-  /// Holds the boxes of a node of tree `opened` against a box of the other one.
+  /// Tests the boxes of a node of tree `opened` against a box of the other tree.
   void open(std::size_t opened, const Entry& entry, const Covered& box) {
     const Lanes d;
     const std::int32_t index = MeshNode::child_of(entry.refs[opened].link);
@@ -170,9 +172,8 @@ class NearLeafTraversal {
     alignas(64) std::array<double, MeshNode::width> bound, size;
     for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
       const Boxes boxes(node, first);
-      const auto places = hn::Sub(distances(side, boxes, box), hn::Set(d, side.error));
-      hn::StoreU(hn::Sub(hn::Mul(places, hn::Set(d, side.unit)), hn::Set(d, side.world_error)), d,
-                 bound.data() + first);
+      const auto steps = hn::Sub(distances(side, boxes, box), hn::Set(d, side.error));
+      hn::StoreU(hn::Sub(hn::Mul(steps, hn::Set(d, side.unit)), hn::Set(d, side.world_error)), d, bound.data() + first);
       hn::StoreU(hn::Mul(boxes.sizes(), hn::Set(d, side.unit)), d, size.data() + first);
     }
     const std::size_t bottom = size_;
@@ -190,7 +191,7 @@ class NearLeafTraversal {
   }
 
   std::array<const MeshTreeView*, 2> trees_;       // a, b
-  std::array<const BoxDistance::Side*, 2> sides_;  // by the opened tree
+  std::array<const BoxDistance::Side*, 2> sides_;  // indexed by the opened tree
   double limit_;
   std::size_t size_ = 0;
   std::array<Entry, stack_size> stack_;
@@ -213,7 +214,8 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
 
-/// Mean factor by which a map stretches lengths, and a bound of the relative difference of squares of others.
+/// The mean factor by which a map stretches lengths, and a bound of the relative deviation of squared factors from its
+/// square.
 struct Stretch {
   double factor, departure;
 
@@ -227,7 +229,7 @@ struct Stretch {
 
 Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// How far TreeGrid::at(), in float, is off the place that it stands for; at the size of the body.
+/// Returns the rounding error of TreeGrid::at(), which computes in float, at the size of the body.
 double rounding(const GateBody& body) {
   return 0x1p-24 * body.scale * (4 * 32768 * static_cast<double>(body.grid.step) + as_vector(body.grid.middle).norm());
 }
@@ -235,7 +237,7 @@ double rounding(const GateBody& body) {
 BoxDistance::Side make_side(const AffineMap& map, const GateBody& body, const AffineMap& other_map,
                             const GateBody& other, double error) {
   BoxDistance::Side side{};
-  // Local coordinates are middle + step * place.
+  // Local coordinates are middle + step * grid coordinate.
   const double step = body.scale * static_cast<double>(body.grid.step);
   const double other_step = other.scale * static_cast<double>(other.grid.step);
   const Vector middle = body.scale * as_vector(body.grid.middle);
@@ -266,7 +268,7 @@ BoxDistance::Side make_side(const AffineMap& map, const GateBody& body, const Af
       (0x1p-44 * size + 4 * both.departure * other_size + rounding(body) + 2 * both.factor * rounding(other)) / step;
   side.unit = step * own.factor * (1 - own.departure - 3 * both.departure - 0x1p-44);
   side.world_error = error;
-  // Squares of places must stay finite and above what underflows.
+  // Squares of grid coordinates must stay finite and above the range of underflow.
   side.works = size / step < 1e100 && side.ratio > 1e-100 && side.ratio < 1e100 && side.unit > 0 && side.unit < 1e100 &&
                own.departure < 0.1 && both.departure < 0.1;
   return side;

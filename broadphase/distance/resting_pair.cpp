@@ -22,7 +22,7 @@ RestingPair::RestingPair(const LocalFrame& local_a, const Motion& motion_a, cons
   origin = a.linear * (scale_a * local_a.origin) + motion_a.start.translation();
   const double size = scale_a * local_a.reach() + scale_b * local_b.reach();
   const double between_bodies = (motion_b.start.translation() - motion_a.start.translation()).norm();
-  // The constant keeps what underflows from looking nearer than it is.
+  // The constant keeps underflow from making bodies look nearer than they are.
   error = 32 * eps * (size + between_bodies) + 1e-140;
 }
 

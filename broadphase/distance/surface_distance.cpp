@@ -37,7 +37,7 @@ class Search {
     return triangle >= 0 && static_cast<std::size_t>(triangle) < surface->mesh.triangles.size();
   }
 
-  /// From which distance on nothing matters any more: minus infinity if bodies touch as far as rounding tells.
+  /// Returns the distance from which on pairs need not be tested; minus infinity if the surfaces touch within rounding.
   double limit() const {
     if (best_.crossing || best_.upper <= 4 * pair_.error) return -std::numeric_limits<double>::infinity();
     return std::min(options_.limit, best_.upper / (1 + options_.tolerance));
@@ -83,7 +83,7 @@ class Search {
       std::uint32_t left = (1U << count_b) - 1;
       double asked = std::numeric_limits<double>::infinity();
       for (; left != 0; left &= left - 1) {
-        if (limit() < asked) {  // most pairs are told to be farther by axes that are cheap to try
+        if (limit() < asked) {  // axes that are cheap to try prove most pairs farther apart
           asked = limit();
           if (asked < 0) return asked;
           left &= lanes_not_apart(lanes_a, i, lanes_b, count_b, 1, asked + pair_.error);
@@ -101,7 +101,7 @@ class Search {
   const ScaledSurface& b_;
   const RestingPair& pair_;
   const SurfaceDistanceOptions& options_;
-  double lower_ = std::numeric_limits<double>::infinity();  // of all pairs looked at
+  double lower_ = std::numeric_limits<double>::infinity();  // over all pairs tested
   SurfaceDistance best_;
 };
 

@@ -17,7 +17,8 @@ using Vector = Eigen::Vector3d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The nearest points found so far, and edges that the line between them should be normal to: zero if there is none.
+/// The nearest points found so far, and the edges that the line between them should be normal to; an edge is zero if
+/// there is none.
 struct Nearest {
   double squared = infinity;
   Vector on_a, on_b;
@@ -47,7 +48,7 @@ void consider_edges(const TriangleD& a, const TriangleD& b, Nearest& nearest) {
   }
 }
 
-/// A triangle's plane, and points of the triangle.
+/// The plane of a triangle, and points of the triangle.
 class Face {
  public:
   explicit Face(const TriangleD& t) : origin_(t[0]), u_(t[1] - t[0]), v_(t[2] - t[0]), normal_(u_.cross(v_)) {
@@ -57,8 +58,8 @@ class Face {
   const Vector& u() const { return u_; }
   const Vector& v() const { return v_; }
   double height(const Vector& p) const { return normal_.dot(p - origin_); }
-  /// The foot of `p`; false if it is not in the triangle, as far as rounding tells. What is true comes with a point of
-  /// the triangle.
+  /// Computes the foot of `p` on the plane. Returns false if, as computed, it is not in the triangle; otherwise `x` is
+  /// a point of the triangle.
   bool foot(const Vector& p, Vector& x) const {
     if (!(squared_ > 0)) return false;
     const Vector w = p - origin_;
@@ -73,7 +74,7 @@ class Face {
   double squared_;
 };
 
-/// Corners over the face, and edges through it; `flip`: the points go the other way round.
+/// Considers corners above the face, and edges through it. With `flip` the points are exchanged.
 void consider_face(const Face& face, const TriangleD& other, bool flip, Nearest& nearest) {
   const auto consider = [&](const Vector& p, const Vector& e, const Vector& f) {
     Vector x;
@@ -92,7 +93,7 @@ void consider_face(const Face& face, const TriangleD& other, bool flip, Nearest&
   }
 }
 
-/// Distance of the projections on an axis; minus infinity where underflow or overflow could have entered.
+/// Distance of the projections on an axis; minus infinity where underflow or overflow could have occurred.
 double gap_along(const Vector& n, const TriangleD& a, const TriangleD& b) {
   const double squared = n.squaredNorm();
   if (!(squared > smallest_square && squared < 1 / smallest_square)) return -infinity;
@@ -103,8 +104,8 @@ double gap_along(const Vector& n, const TriangleD& a, const TriangleD& b) {
   return gap / std::sqrt(squared);
 }
 
-/// What is left of `n` normal to both edges. Between close points the direction is mostly rounding, but edges are known
-/// well.
+/// Returns the component of `n` normal to both edges. Between close points the direction is mostly rounding, while the
+/// edges are accurate.
 Vector normal_to(Vector n, const Vector& e, const Vector& f) {
   const auto without = [](const Vector& x, const Vector& direction) -> Vector {
     const double squared = direction.squaredNorm();
@@ -117,13 +118,13 @@ Vector normal_to(Vector n, const Vector& e, const Vector& f) {
 
 double determinant(const Vector& u, const Vector& v, const Vector& w) { return u.dot(v.cross(w)); }
 
-/// Of an edge and a face.
+/// True if the edge p q passes through the triangle.
 bool passes_through(const Vector& p, const Vector& q, const TriangleD& t, double error) {
   const std::array<Vector, 3> d = {t[0] - p, t[1] - p, t[2] - p};
   const Vector edge = q - p;
   double size = edge.norm();
   for (const Vector& x : d) size = std::max(size, x.norm());
-  // A determinant of three differences up to twice the size, each off by twice the error and rounding.
+  // A determinant of three differences up to twice the size; each difference is off by twice the error plus rounding.
   const double moved = 2 * error + 8 * eps * size, largest = 2 * size + moved;
   const double bound = 4 * moved * largest * largest + smallest_product;
   const double above = determinant(t[1] - t[0], t[2] - t[0], p - t[0]);
@@ -147,7 +148,7 @@ TriangleDistance triangle_distance(const TriangleD& a, const TriangleD& b, doubl
   const Vector direction = nearest.on_b - nearest.on_a;
   const double found = direction.norm();
 
-  // Whichever features are nearest, one of the axes is the line between them.
+  // Whichever features are nearest, one of the axes is parallel to the line between them.
   double gap = gap_along(direction, a, b);
   const auto consider = [&](const Vector& n) {
     if (found - gap > error) gap = std::max(gap, gap_along(n, a, b));

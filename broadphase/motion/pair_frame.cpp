@@ -6,7 +6,7 @@
 
 namespace encage {
 
-// Large coordinates that both have cancel first.
+// Large coordinates that both bodies share cancel first.
 Eigen::Vector3d origin_offset(const LocalFrame& a, const Placement& at_a, const LocalFrame& b,
                               const Placement& at_b) noexcept {
   return (at_b.pose.translation() - at_a.pose.translation()) +

@@ -7,17 +7,17 @@
 
 namespace encage {
 
-/// Maps from the local frames of two bodies, at the size that they have in the world, to a common frame, at both ends
-/// of an interval of a step. Vertices move linearly between the ends. The common frame has a's orientation at the start
-/// of the step, and its origin moves with a's: what both motions share cancels, and so do large coordinates.
+/// Maps from the local frames of two bodies, including their scales, to a common frame, at both ends of an interval of
+/// a step. Vertices move linearly between the ends. The common frame has a's orientation at the start of the step, and
+/// its origin moves with a's: common motion cancels, and so do large coordinates.
 struct PairMotion {
   std::array<AffineMap, 2> a, b;  ///< at the start and at the end of the interval
   bool at_rest = false;           ///< start and end are the same
 
-  /// The interval [t0, t1] of this one.
+  /// Returns the motion during the interval [t0, t1] of this one.
   PairMotion part(double t0, double t1) const;
-  /// About how far a point within `radius_a` of its local origin and one within `radius_b` move relative to each other.
-  /// An estimate, which proves nothing.
+  /// Estimates how far a point within `radius_a` of its local origin and one within `radius_b` move relative to each
+  /// other. The estimate proves nothing.
   double displacement(double radius_a, double radius_b) const;
 };
 

@@ -21,7 +21,8 @@ bool is_mirrored(const Eigen::Isometry3d& pose) noexcept { return pose.linear().
 bool is_usable(const Motion& motion) noexcept {
   if (!is_usable(motion.start) || !is_usable(motion.end)) return false;
   if (!(motion.scale >= smallest_scale && motion.scale <= largest_scale)) return false;
-  // 1 + 2 cos of the angle between the poses; off by no more than their departure from rigid and rounding.
+  // The trace is 1 + 2 cos of the angle between the poses; it is off by no more than their departure from rigid and
+  // rounding.
   return (motion.start.linear().transpose() * motion.end.linear()).trace() > -1 + 1e-6;
 }
 

@@ -14,7 +14,7 @@ Eigen::AlignedBox3d turned_box(const Eigen::AlignedBox3d& box, const Eigen::Isom
   const Eigen::Matrix3d size = pose.linear().cwiseAbs();
   const Eigen::Vector3d centre = pose.linear() * middle + pose.translation();
   const Eigen::Vector3d reach = size * half;
-  // At most 14 roundings in all, each of a sum of the terms below.
+  // There are at most 14 roundings, each of a sum of the terms below.
   const Eigen::Vector3d slack = 16 * eps * (reach + size * middle.cwiseAbs() + pose.translation().cwiseAbs());
   return {centre - reach - slack, centre + reach + slack};
 }
@@ -27,7 +27,7 @@ Eigen::AlignedBox3d swept_box(const Eigen::AlignedBox3d& box, const Motion& moti
 bool boxes_apart(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, double margin) noexcept {
   if (a.isEmpty() || b.isEmpty()) return false;
   const Eigen::Array3d gap = (b.min() - a.max()).array().max((a.min() - b.max()).array()).max(0.0);
-  // Each gap and the norm are off by a few eps relatively.
+  // Each gap and the norm have relative errors of a few eps.
   const double largest = gap.maxCoeff();
   return largest > 0 && std::isfinite(largest) && (gap / largest).matrix().norm() * largest * (1 - 16 * eps) > margin;
 }
@@ -39,7 +39,7 @@ bool box_beyond(const Eigen::AlignedBox3d& box, const HalfSpace& plane, double m
     nearest += std::min(low, high);
     size += std::max(std::abs(low), std::abs(high));
   }
-  // Four products and sums, each off by half an eps of `size`; the normal may be longer than 1 by 1e-9.
+  // Four products and sums are each off by half an eps of `size`; the normal may be longer than 1 by 1e-9.
   return nearest > margin * (1 + 2e-9) + 8 * eps * size;
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-/// False only if the ray from `p` is proven to miss the box. Each quotient is
-/// off by at most 2 eps relatively: two roundings.
+/// False only if the ray from `p` is proven to miss the box. Each quotient has a relative error of at most 2 eps: two
+/// roundings.
 bool may_meet(const Ray& ray, const MeshTreeView& tree, const MeshNode& node, int lane, const Vector& p) {
   const std::array<double, 3> direction = {1, ray.slope1, ray.slope2};
   double enter = 0;
@@ -32,11 +32,10 @@ bool may_meet(const Ray& ray, const MeshTreeView& tree, const MeshNode& node, in
   return enter <= leave;
 }
 
-/// Sign with which the ray crosses the triangle: 0 if it misses, no value if rounding
-/// leaves it open. After shearing the ray onto its axis, and with m the largest
-/// coordinate of a corner relative to p, the two coordinates are at most 1.5 m
-/// and off by 3 eps m each; hence an edge function is off by less than 32 eps m^2,
-/// and their mean of depths by less than 128 eps m^3.
+/// Returns the sign with which the ray crosses the triangle: 0 if it misses, no value if rounding leaves it undecided.
+/// After shearing the ray onto its axis, and with m the largest coordinate of a corner relative to p, the two
+/// coordinates are at most 1.5 m and off by 3 eps m each. Hence an edge function is off by less than 32 eps m^2, and
+/// their mean of depths by less than 128 eps m^3.
 std::optional<int> crossing(const Ray& ray, const std::array<Vector, 3>& triangle, const Vector& p) {
   std::array<double, 3> x, y, z;
   double m = 0;
@@ -66,7 +65,7 @@ std::optional<int> crossing(const Ray& ray, const std::array<Vector, 3>& triangl
   if (positive && negative) return 0;
   const double depth = (w[0] * x[0] + w[1] * x[1] + w[2] * x[2]) * (negative ? -1 : 1);
   const double depth_error = 4 * edge_error * m;
-  // A triangle wholly behind is missed, whatever the edges say.
+  // The ray misses a triangle entirely behind it, whatever the edge functions are.
   if (std::max({x[0], x[1], x[2]}) < 0) return 0;
   if (open) return std::nullopt;
   if (depth < -depth_error) return 0;
@@ -128,7 +127,8 @@ bool could_hold(const SimpleShape& host, double host_scale, const std::array<Aff
   const double reach = slack + host.error_in_world(host_scale) + guest.error_in_world(guest_scale);
   const Vector centre = 0.5 * host_scale * (outer.lower.cast<double>() + outer.upper.cast<double>());
   const Vector half = 0.5 * host_scale * (outer.upper.cast<double>() - outer.lower.cast<double>());
-  // Beyond the box along n at both ends in the same sense, hence always: vertex and box move linearly.
+  // Points that are beyond the box along n at both ends, in the same sense, are beyond it throughout: vertex and box
+  // move linearly.
   const auto beyond = [&](const Vector& n, const Vector& x) {
     bool above = true, below = true;
     for (std::size_t end = 0; end < 2; ++end) {
@@ -144,14 +144,14 @@ bool could_hold(const SimpleShape& host, double host_scale, const std::array<Aff
     const Vector x = inner.vertex(v);
     for (const AffineMap& map : host_maps) {
       for (int axis = 0; axis < 3; ++axis) {
-        // No longer than 1, so that asking for the whole reach is safe.
+        // The length is at most 1, so a test against the full reach is safe.
         const Vector n = map.linear.col(axis) * (1 - 1e-8) / std::max(1.0, map.linear.col(axis).norm());
         if (beyond(n, x)) return true;
       }
     }
     return false;
   };
-  // A connected part with a vertex outside the box is not inside the host unless it touches its surface.
+  // A connected part with a vertex outside the box is not inside the host unless it touches the host's surface.
   const bool excluded =
       !guest.fine.empty() && std::all_of(guest.fine.parts.begin(), guest.fine.parts.end(), [&](const MeshPart& part) {
         return std::any_of(part.extremes.begin(), part.extremes.end(), outside);

@@ -13,7 +13,7 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-/// Whether n . x > limit for some vertex x, as computed.
+/// True if n . x > limit, as computed, for some vertex x.
 bool exceeds(const Surface& surface, const Vector& n, double limit) noexcept {
   return !visit_nodes(surface.tree, [&](const MeshNode& node, auto&& descend) {
     std::array<double, MeshNode::width> upper{};
@@ -60,7 +60,7 @@ PlaneCheck::PlaneCheck(const SimpleShape& shape, const Surface& surface, const M
 bool PlaneCheck::beyond_throughout() const noexcept {
   for (std::size_t end = 0; end < 2; ++end) {
     const double depth = height_[end] - (clearance_ + arc_);
-    // Mostly the ball about the local origin will do.
+    // The ball around the local origin decides most cases.
     if (depth > surface_.radius() * (1 + 2e-9)) continue;
     if (exceeds(*surface_, -normal_[end], depth / surface_.scale())) return false;
   }
@@ -77,7 +77,7 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
     }
     return sum;
   };
-  // Boxes are left out a little later than vertices are: their bounds carry as much rounding.
+  // The reach is doubled, because the bounds of boxes carry as much rounding as the heights of vertices.
   const double reach = 2 * clearance_ + arc_;
   visit_nodes(surface_->tree, [&](const MeshNode& node, auto&& descend) {
     for (int lane = MeshNode::width - 1; lane >= 0; --lane) {
@@ -97,7 +97,8 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
 
 double PlaneCheck::first_time(std::int32_t vertex) const {
   const Vector x = surface_.vertex(vertex);
-  // Above the clearance: a + b t + c t^2 with the bulge of the arc, convex; the first time it is 0.
+  // The height above the clearance is a + b t + c t^2 with the bulge of the arc, which is convex. The result is the
+  // first time at which it is 0.
   const double a = height_[0] + normal_[0].dot(x) - clearance_;
   const double end = height_[1] + normal_[1].dot(x) - clearance_;
   if (!(a > 0)) return 0;
@@ -105,7 +106,7 @@ double PlaneCheck::first_time(std::int32_t vertex) const {
   const double b = end - a - c;
   if (!(b < 0)) return end > 0 ? 2 : 0;
   const double discriminant = b * b - 4 * a * c;
-  // Its error moves a double root by the root of eps: rounded down by more than that.
+  // The error moves a double root by its own square root, so the time is rounded down by more than that.
   if (discriminant < -16 * eps * b * b) return 2;
   const double root = 2 * a / (-b + std::sqrt(std::max(discriminant, 0.0)));
   return root <= 1 + 1e-7 ? std::min(1.0, root * (1 - 1e-7)) : end > 0 ? 2 : 1;

@@ -20,8 +20,8 @@ bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, co
          boxes_apart(world_box(a, motion_a), world_box(b, motion_b), margin);
 }
 
-/// What the stages after the boxes share. Closed surfaces that never meet keep their places inside
-/// and outside of each other: that is asked at the start of the step only.
+/// The data that the stages after the boxes share. Closed surfaces that never meet cannot enter or leave each other:
+/// containment is tested at the start of the step only.
 class BodyPair {
  public:
   BodyPair(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b, double margin)
@@ -35,7 +35,7 @@ class BodyPair {
         distance_(required_distance(a.frame, motion_a, b.frame, motion_b, margin)),
         fine_distance_(distance_ + a.error_in_world(scale_a_) + b.error_in_world(scale_b_)) {}
 
-  // Whether something is held may need a fine mesh: last.
+  // Containment in an unknown interior is tested last, since it may need a fine mesh.
   bool cages_apart(const Surface& of_a, const Surface& of_b) {
     const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
     return surfaces_apart(cage_a, cage_b, motion_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
@@ -53,7 +53,7 @@ class BodyPair {
   }
 
  private:
-  // Whether one may lie in the other's unknown interior.
+  // True if one body may lie in the other's unknown interior.
   bool hold(bool open_a, bool open_b) {
     if (!open_a && !open_b) return false;
     return !take_fine() || (open_a && could_hold(a_, scale_a_, motion_.a, b_, scale_b_, motion_.b, distance_)) ||
@@ -71,7 +71,7 @@ class BodyPair {
   double distance_, fine_distance_;
 };
 
-/// The stages after the boxes, of simple shapes.
+/// Runs the stages after the boxes for simple shapes.
 Verdict simple_separated(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b,
                          const PairOptions& options) {
   BodyPair pair(a, motion_a, b, motion_b, options.margin);
@@ -103,7 +103,7 @@ Verdict simple_separated(const MovingPart& a, const HalfSpace& plane, double mar
           Stage::fine, -1};
 }
 
-/// The verdict about all parts: the first that is not separated, or the last stage that some part needed.
+/// Combines the verdicts of all parts: the first that is not separated, or the last stage that some part needed.
 class PartsVerdict {
  public:
   bool add(const Verdict& verdict) {
@@ -125,7 +125,7 @@ std::int32_t triangle_count(const Shape& shape) {
   return count;
 }
 
-/// What visit_triangle_pairs() asks about two parts.
+/// visit_triangle_pairs() for two parts.
 struct PartTrianglePairs {
   const MovingPart& a;
   const MovingPart& b;

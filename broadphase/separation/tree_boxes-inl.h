@@ -38,7 +38,7 @@ template <class Real>
 struct TreeBox {
   Real centre[3], half[3];
   Real normal[3];
-  Real height, thickness;  ///< of the slab's middle along the normal; half the slab
+  Real height, thickness;  ///< of the slab's middle along the normal; half the slab's width
 
   HWY_INLINE TreeBox(const MeshNode& node, std::uint32_t lane) {
     for (int i = 0; i < 3; ++i) {
@@ -51,12 +51,12 @@ struct TreeBox {
     thickness = half_unit * (high - low);
   }
 
-  /// The box around all boxes of a node. Its slab has no normal, hence covers everything.
+  /// Returns the box around all boxes of a node. Its slab has no normal and is unbounded.
   static TreeBox around(const MeshNode& node) {
     TreeBox box(node, 0);
     for (int i = 0; i < 3; ++i) {
       std::int16_t lower = node.lower[i][0], upper = node.upper[i][0];
-      for (int lane = 1; lane < MeshNode::width; ++lane) {  // unused ones are empty
+      for (int lane = 1; lane < MeshNode::width; ++lane) {  // unused lanes have empty boxes
         lower = std::min(lower, node.lower[i][lane]);
         upper = std::max(upper, node.upper[i][lane]);
       }
@@ -102,7 +102,7 @@ struct TreeBoxes {
   Vec normal[3];
   Vec slab_lower, slab_upper;
 
-  /// Lanes [first, first + lanes of the machine).
+  /// Loads the lanes [first, first + lanes of the machine).
   HWY_INLINE TreeBoxes(const MeshNode& node, std::size_t first) {
     const NodeLanes<Real> d;
     for (int i = 0; i < 3; ++i) {
@@ -139,7 +139,7 @@ struct TreeBoxes {
     }
   }
 
-  /// Sizes, only to compare: a slab's thickness counts more than the extents of the box that it cuts.
+  /// Sizes for comparison only: a slab's thickness counts more than the extents of the box that it cuts.
   HWY_INLINE Vec sizes() const {
     const NodeLanes<Real> d;
     const auto thickness = hn::Mul(hn::Sub(slab_upper, slab_lower), hn::Set(d, Real{8}));

@@ -14,7 +14,7 @@ double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3
   const double norm = (motion.end.linear() - motion.start.linear()).norm() + 2 * departure;
   const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
   const double cosine = std::sqrt((1 - sine) * (1 + sine));
-  // 1 - cos = sin^2 / (1 + cos): without cancellation.
+  // 1 - cos = sin^2 / (1 + cos) avoids cancellation.
   double radius = 0;
   for_each_part(shape, Motion{.scale = 1}, [&](const MovingPart& part) {
     const SimpleShape& of = *part.shape;

@@ -21,7 +21,7 @@
 namespace encage {
 namespace {
 
-// Far below what the whole's pose may depart from rigid: the product of both stays usable.
+// Far below the departure from rigid that a pose of the compound may have: the product of both stays usable.
 constexpr double most_departure = 1e-12, most_departure_in_nests = 1e-10;
 
 std::string name(std::size_t part) { return "part " + std::to_string(part) + ": "; }
@@ -45,7 +45,7 @@ void check(const CompoundPart& part, std::size_t i) {
   check_scale(part.scale, name(i));
 }
 
-/// Checks the part as it is in the whole, through all compounds around it.
+/// Checks the part's pose and scale relative to the compound, after all nested compounds around it.
 void check(const ShapePart& shape, const std::string& part) {
   check_scale(shape.scale, part);
   check_pose(shape.pose, most_departure_in_nests, part, "the pose in the whole");
@@ -54,7 +54,7 @@ void check(const ShapePart& shape, const std::string& part) {
   }
 }
 
-/// x -> outer(inner(x)), rounded.
+/// Returns x -> outer(inner(x)), rounded.
 Eigen::Isometry3d placed(const Eigen::Isometry3d& outer, double outer_scale, const Eigen::Isometry3d& inner) {
   Eigen::Isometry3d pose;
   pose.linear() = outer.linear() * inner.linear();
@@ -63,7 +63,7 @@ Eigen::Isometry3d placed(const Eigen::Isometry3d& outer, double outer_scale, con
   return pose;
 }
 
-/// Builds the tree of the parts: halves them along the longest extent of the middles of their boxes.
+/// Builds the tree of the parts: it halves them along the longest extent of the centres of their boxes.
 class TreeBuilder {
  public:
   explicit TreeBuilder(CompoundShape& shape) : shape_(shape) {
@@ -112,7 +112,7 @@ std::int32_t add_count(std::int64_t before, std::size_t more, const char* what) 
   return static_cast<std::int32_t>(sum);
 }
 
-/// Adds a simple shape. Its box covers what placed() rounds for each compound around it, as for the whole.
+/// Adds a simple shape. Its box covers the rounding of placed() for each compound around it.
 void add_part(CompoundShape& compound, ShapePart part, const std::string& name, std::int32_t& triangles,
               std::int32_t& vertices) {
   check(part, name);
@@ -127,7 +127,7 @@ void add_part(CompoundShape& compound, ShapePart part, const std::string& name, 
   compound.parts.push_back(std::move(part));
 }
 
-/// Adds part `i`, or its own parts.
+/// Adds part `i`, or the parts of a nested compound.
 void flatten(CompoundShape& compound, const CompoundPart& part, std::size_t i, std::int32_t& triangles,
              std::int32_t& vertices) {
   const double offset = part.pose.translation().norm();
@@ -145,7 +145,7 @@ void flatten(CompoundShape& compound, const CompoundPart& part, std::size_t i, s
               placed(part.pose, part.scale, inner.pose),
               part.scale * inner.scale,
               {},
-              offset + part.scale * inner.reach,  // even where positions cancel
+              offset + part.scale * inner.reach,  // also where positions cancel
               inner.nesting + 1,
               0,
               0},
@@ -153,7 +153,7 @@ void flatten(CompoundShape& compound, const CompoundPart& part, std::size_t i, s
   }
 }
 
-/// Visits the parts whose boxes are not proven apart from `other`, until a visit returns false.
+/// Visits the parts whose boxes are not proven apart from `other`, until a visitor returns false.
 template <class Visit>
 bool visit_near_parts(const Shape& shape, const Motion& motion, const Eigen::AlignedBox3d& other, double margin,
                       Visit&& visit) {
@@ -231,7 +231,7 @@ MovingPart moving_part(const CompoundShape& compound, std::size_t index, const M
   moving.motion.end = motion.at_rest() ? moving.motion.start : placed(motion.end, motion.scale, part.pose);
   moving.motion.scale = motion.scale * part.scale;
   const double far = std::max(motion.start.translation().norm(), motion.end.translation().norm());
-  // docs/guarantee.md, "Compounds".
+  // docs/guarantee.md, "Compounds", derives this bound.
   moving.slack = 32 * eps * (1 + part.nesting) * (motion.scale * part.reach + far);
   moving.first_triangle = part.first_triangle;
   moving.first_vertex = part.first_vertex;

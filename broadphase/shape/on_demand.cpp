@@ -62,7 +62,7 @@ void MeshBudget::make_resident(OnDemandMesh& mesh) {
   resident_.reserve(resident_.size() + 1);
   make_room(mesh.bytes_);
   const std::int64_t bytes = mesh.load();
-  if (bytes != mesh.bytes_) {  // built: larger than what it was built of
+  if (bytes != mesh.bytes_) {  // its tree was built, which makes it larger than its size in the file
     auto own = sizes_.extract(mesh.bytes_);
     try {
       check_room(bytes, mesh.file_ + ": the fine mesh needs " + in_bytes(bytes) + " with its tree");
@@ -116,7 +116,7 @@ bool MeshBudget::evict_oldest() noexcept {
     if (oldest == none) return false;
     OnDemandMesh& mesh = *resident_[oldest];
     mesh.resident_.store(false);
-    if (mesh.pins_.load() != 0) {  // meanwhile
+    if (mesh.pins_.load() != 0) {  // pinned meanwhile
       mesh.resident_.store(true);
       continue;
     }
@@ -167,7 +167,8 @@ void OnDemandMesh::unpin() noexcept {
   budget_->settle();
 }
 
-// SimpleShape::fine is written only while nobody may look at it. In place it is the same each time.
+// SimpleShape::fine is written only while no query may read it. A mesh that is used in place has the same value each
+// time.
 std::int64_t OnDemandMesh::load() {
   AssetView& asset = *shape_.asset;
   std::int64_t bytes = bytes_;

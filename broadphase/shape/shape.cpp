@@ -16,7 +16,7 @@
 namespace encage {
 namespace {
 
-/// What can go wrong before coordinates are rounded.
+/// Throws Error for a mesh that cannot be used, before coordinates are rounded.
 void check_mesh(const TriangleMesh& mesh) {
   const auto fail = [](const std::string& what, std::int64_t n, const std::string& why) {
     throw Error("mesh: " + what + " " + std::to_string(n) + " " + why);
@@ -35,7 +35,7 @@ void check_mesh(const TriangleMesh& mesh) {
   if (mesh.triangles.rows() == 0) throw Error("mesh: no triangles");
 }
 
-/// Everything but the surfaces; what a reader has checked holds for hierarchies made otherwise, too.
+/// Fills in everything but the surfaces. It repeats the checks of the reader for hierarchies from other sources.
 std::shared_ptr<SimpleShape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
   if (levels > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
   if (!(summary.origin.array().abs() <= largest_length).all()) {
@@ -60,7 +60,7 @@ void add_cage(SimpleShape& shape, const MeshArraysView& arrays) {
 
 constexpr std::size_t most_points = 1024;
 
-/// Corners of boxes of the tree that hold the surface, the largest boxes being opened first.
+/// Returns the corners of tree boxes that together contain the surface. The largest boxes are opened first.
 std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
   struct Lane {
     float size;
@@ -108,8 +108,8 @@ std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
   return corners;
 }
 
-/// The fine mesh, or else the finest cage that has few vertices: near the body, and quick to project. Without one,
-/// boxes around the finest surface.
+/// The outline is the fine mesh, or else the finest cage, if it has few vertices: near the body, and quick to project.
+/// Otherwise boxes around the finest surface serve.
 void set_outline(SimpleShape& shape) {
   const auto set = [&](std::span<const std::array<float, 3>> points) {
     double squared = 0;
@@ -219,7 +219,7 @@ ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& optio
   if (!fine && view.level_count() == 0) throw Error(file.string() + ": neither cages nor a fine mesh");
   return load_named(file, [&]() -> ShapePtr {
     const auto shape = describe(view.summary(), view.level_count(), options);
-    // Assets from before trees were stored have none.
+    // Assets of versions that stored no trees have none.
     const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
     if (!finest) return make_shape(copy_hierarchy(view), options);
     if (fine) set_fine(*shape, *finest);
@@ -243,12 +243,12 @@ ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& optio
       add_cage(*shape,
                stored ? stored_cage(view, k) : keep(*shape, make_mesh_arrays(copy_mesh(view.cage(k)), cage_name(k))));
     }
-    // Cages enclose the source, which is no farther than that from the fine mesh.
+    // Cages enclose the source, which is no farther than fine_error from the fine mesh.
     shape->frame.radius = (shape->frame.radius + shape->fine_error) * (1 + 16 * eps);
     const bool has_fine = view.fine_triangle_count() > 0;
     shape->fine_triangles = view.fine_triangle_count();
     shape->fine_vertices = view.fine_vertex_count();
-    view.discard_fine();  // what the system has read ahead
+    view.discard_fine();  // frees pages that the system has read ahead
     shape->asset.emplace(std::move(view));
     if (has_fine) shape->on_demand = std::make_unique<OnDemandMesh>(*shape, file.string(), std::move(budget));
     set_outline(*shape);

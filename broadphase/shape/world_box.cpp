@@ -19,7 +19,7 @@ double world_slack(const SimpleShape& shape, const Placement& at, double radius)
   return 32 * eps * size + shape.error_in_world(at.scale);
 }
 
-/// The union of the boxes of few parts; the box of the turned box of many.
+/// The union of the parts' boxes if there are few, the turned box of the compound if there are many.
 Eigen::AlignedBox3d compound_box(const CompoundShape& compound, const Motion& motion) noexcept {
   constexpr std::size_t few = 32;
   if (compound.parts.size() > few) return swept_box(compound.nodes.front().box, motion);
@@ -35,13 +35,13 @@ Eigen::AlignedBox3d compound_box(const CompoundShape& compound, const Motion& mo
 
 }  // namespace
 
-// A box is skipped if its bound is no larger than one at hand; both carry that error.
+// A box is skipped if its bound is no larger than the present bound; both carry the same rounding error.
 double support(const Surface& surface, const Eigen::Vector3d& n, double tolerance) noexcept {
   struct Entry {
     std::int32_t node;
     double bound;
   };
-  // What some vertex reaches, and what may be reached at most.
+  // Some vertex has at least the height `reached`; `bound` is an upper bound for the boxes that need no further visit.
   double reached = -std::numeric_limits<double>::infinity(), bound = reached;
   const Eigen::Vector3d magnitude = n.cwiseAbs();
   std::array<Entry, MeshNode::width*(MeshTree::max_depth + 2)> stack;
@@ -63,7 +63,7 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
     for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
       const double upper = uppers[lane], width = widths[lane];
       if (upper <= bound) continue;
-      // Every box holds a vertex: the lower end is reached.
+      // Every box contains a vertex, so some height is at least that of its lower end.
       reached = std::max(reached, upper - width);
       if (width <= tolerance || upper <= reached + tolerance) {
         bound = upper;
@@ -78,7 +78,7 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
         reached = std::max(reached, bound);
       }
     }
-    // The most promising one next.
+    // The most promising box comes next.
     std::sort(stack.begin() + below, stack.begin() + size,
               [](const Entry& x, const Entry& y) { return x.bound < y.bound; });
   }
@@ -111,7 +111,7 @@ Eigen::AlignedBox3d ball_box(const Shape& shape, const Placement& at) noexcept {
   const SimpleShape& simple = shape.simple();
   const double radius = simple.outer().radius;
   const Eigen::Vector3d centre = at.origin(simple.frame);
-  // Twice the slack of pose_box(): what contains the exact box contains the rounded one as well.
+  // Twice the slack of pose_box(): a box that contains the exact box then also contains the rounded one.
   const double reach = at.scale * radius * (1 + 1e-8) + 2 * world_slack(simple, at, radius);
   return {centre.array() - reach, centre.array() + reach};
 }

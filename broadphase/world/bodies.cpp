@@ -19,7 +19,7 @@ template <WorldId Id>
   throw Error(name(id) + ": " + reason);
 }
 
-// Messages are put together only where they are needed.
+// Messages are composed only where they are needed.
 const char* pose_defect(const Eigen::Isometry3d& pose) {
   if (!pose.matrix().topRows<3>().allFinite()) return "is not finite";
   if (pose.translation().cwiseAbs().maxCoeff() > largest_length) return "is farther than 1e150 away";
@@ -42,13 +42,13 @@ void check_length(Id id, const char* what, double length) {
   if (!(length >= 0 && length <= largest_length)) refuse(id, length_defect(what, length));
 }
 
-/// There is one, or name it for what lacks it.
+/// Throws an Error that names `asking` if the table does not contain `asked`.
 template <WorldId Id, WorldId Of>
 void check_known(const IdTable<Of>& table, Of asked, Id asking) {
   if (!table.contains(asked)) refuse(asking, name(asked) + " " + table.defect(asked));
 }
 
-/// Sets an element, or adds it at the end, where there is room.
+/// Sets an element, or appends it where there is room.
 template <class T>
 void put(std::vector<T>& v, std::size_t i, T value) {
   if (i == v.size()) {
@@ -261,7 +261,7 @@ void World::State::set_deformation(BodyId id, double bound) {
   update(index(id));
 }
 
-/// After a change of the body.
+/// Updates all derived data after a change of the body.
 void World::State::update(std::uint32_t n) noexcept {
   const Body& body = bodies_[n];
   bounds_[n].margin = own_margin(body);
@@ -282,7 +282,7 @@ double World::State::own_margin(const Body& body) const noexcept {
 }
 
 FloatBox World::State::tree_box(const Bounds& bounds) const noexcept {
-  // The excess hides the rounding of sums of margins.
+  // The excess covers the rounding of sums of margins.
   return FloatBox::around(bounds.box, bounds.margin * (1 + 1e-12));
 }
 

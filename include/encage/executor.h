@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// How a search borrows the caller's threads.
+// A search borrows the caller's threads through these types.
 
 #include <encage/export.h>
 
@@ -11,7 +11,8 @@
 
 namespace ENCAGE_EXPORT encage {
 
-/// Refers to what the tasks of one Executor::run() do. It is two words long: copy it, but do not keep it after run().
+/// Refers to the work of one Executor::run(). It is two words long: copy it, but do not keep it after run() has
+/// returned.
 class TaskRef {
  public:
   template <class Function>
@@ -35,12 +36,13 @@ class TaskRef {
 ///
 ///   options.executor = {jobs.threads(), [&](int count, TaskRef task) { jobs.parallel_for(count, task); }};
 struct Executor {
-  /// How many tasks are worth running at once, the calling thread's included: >= 1. With 1, `run` is not called.
+  /// The number of tasks that run well at the same time, including that of the calling thread: >= 1, usually the number
+  /// of threads. With 1, `run` is not called.
   int threads = 1;
   /// run(count, task), 2 <= count <= threads, calls task(i) once for every i in [0, count). It returns when all calls
-  /// have returned, and makes their effects visible. It may throw, once the calls that it began have returned: that
-  /// ends the search and leaves the world in order. The thread that searches calls it, at most once at a time; while
-  /// that thread waits, it must not be given work that uses the same world.
+  /// have returned, and makes their effects visible. It may throw, once the calls that it began have returned: the
+  /// search then ends and leaves the world in order. The searching thread calls it, at most once at a time; while that
+  /// thread waits, it must not be given work that uses the same world.
   std::function<void(int count, TaskRef task)> run{};
 };
 

@@ -11,9 +11,9 @@ class Shape;
 class OnDemandMesh;
 
 /// Keeps the fine mesh of a shape of a ShapeCache in memory as long as the lease lives. Queries take leases of their
-/// own; hold one where a mesh must not be evicted between queries, or to read it ahead of them. For a compound, take
-/// leases of its parts; for shapes of no cache a lease does nothing. The shape must outlive the lease. A shape may have
-/// any number of leases, and a lease may be passed to another thread.
+/// own; take one where a mesh must not be evicted between queries, or to read it before they start. For a compound,
+/// take leases of its parts; a lease of a shape that belongs to no cache does nothing. The shape must outlive the
+/// lease. A shape may have any number of leases, and a lease may be passed to another thread.
 class FineLease {
  public:
   FineLease() = default;

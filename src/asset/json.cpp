@@ -28,7 +28,8 @@ int json_depth(std::string_view text) {
 }
 
 nlohmann::json parse_json(std::string_view text, const std::string& place) {
-  // Before parsing, which is a third dearer with a callback. Printing is recursive.
+  // The depth is tested before parsing, since a parser callback would make parsing a third slower. The limit is needed
+  // because printing is recursive.
   if (json_depth(text) > max_json_depth + 1) throw Error(place + ": nested too deeply");
   try {
     return nlohmann::json::parse(text);

@@ -16,17 +16,17 @@
 namespace encage {
 namespace {
 
-/// A new file beside another one, which removes itself unless it is renamed.
+/// A new file beside another one. Its destructor removes it unless it has been renamed.
 class Temporary {
  public:
   explicit Temporary(const std::filesystem::path& file) : file_(file) {
-    // A folder may be shared with processes of the same number, and hold what a killed one left.
+    // Other processes that share the folder may have the same number, and a killed one may have left files behind.
     constexpr int attempts = 10000;
     static std::atomic<std::uint64_t> counter{0};
     for (int attempt = 0; descriptor_ < 0; ++attempt) {
       path_ = file.string() + "." + std::to_string(getpid()) + "-" + std::to_string(counter++);
-      // O_EXCL: never a file of somebody else, not even through a link. The system applies the umask, which a process
-      // of several threads cannot ask for without changing it.
+      // O_EXCL never opens an existing file, not even through a link. The system applies the umask; a process with
+      // several threads cannot read the umask without changing it.
       descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
       if (descriptor_ < 0 && (errno != EEXIST || attempt == attempts)) fail("cannot write");
     }

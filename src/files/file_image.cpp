@@ -22,7 +22,7 @@ namespace {
   throw Error(file.string() + ": " + what + ": " + std::strerror(errno));
 }
 
-// Non-blocking: opening a named pipe would wait for a writer.
+// The file is opened non-blocking, since opening a named pipe would otherwise wait for a writer.
 int open_file(const std::filesystem::path& file) {
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) fail(file, "cannot open");
@@ -58,7 +58,7 @@ FileImage::FileImage(const std::filesystem::path& file, LoadMode mode)
   if (mode == LoadMode::map) {
     close();
   } else {
-    // What is not asked for is not read ahead.
+    // The system does not read ahead, because only requested ranges are needed.
     posix_fadvise(descriptor_, 0, 0, POSIX_FADV_RANDOM);
   }
 }
@@ -82,7 +82,7 @@ FileImage& FileImage::operator=(FileImage&& other) noexcept {
   return *this;
 }
 
-/// The part of `part` that lies in bytes().
+/// Returns the intersection of `part` and bytes().
 std::span<const std::byte> FileImage::own(std::span<const std::byte> part) const {
   const auto address = [](const std::byte* byte) { return reinterpret_cast<std::uintptr_t>(byte); };
   const std::uintptr_t start = std::max(address(part.data()), address(bytes_.data()));

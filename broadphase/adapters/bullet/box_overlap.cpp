@@ -16,7 +16,7 @@ struct Box {
   Vector centre, half;
 };
 
-/// The frame of another body in this one's; magnitudes grown as Bullet grows them.
+/// Maps the frame of the other body to this one's. Magnitudes are enlarged as Bullet enlarges them.
 struct Frame {
   Eigen::Matrix3f rotation, magnitude;
   Vector offset;
@@ -27,7 +27,7 @@ struct Frame {
         offset(map.translation().cast<float>()) {}
 };
 
-/// One of two trees: its boxes in its body's frame.
+/// The boxes of one of the two trees, in its body's frame.
 class Side {
  public:
   explicit Side(const BoxedMesh& mesh)
@@ -90,7 +90,7 @@ class Side {
   Vector origin_;
 };
 
-/// Whether the boxes of these lanes may overlap `other`, which lies in the other frame.
+/// Returns the lanes whose boxes may overlap `other`, which lies in the other frame.
 Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, const Frame& frame, const Box& other,
                                                float slack) {
   const Vector centre = frame.rotation * other.centre + frame.offset;
@@ -121,8 +121,8 @@ bool overlap(const Box& box, const Frame& frame, const Box& other, float slack) 
          (((frame.rotation.transpose() * apart).cwiseAbs() - across).array() <= slack).all();
 }
 
-/// A box of either tree: a node, if count is MeshNode::inner, or triangles of a leaf.
-struct Place {
+/// A box of either tree: that of a node, if count is MeshNode::inner, or of the triangles of a leaf.
+struct BoxRef {
   std::int32_t index;
   int count;
   Box box;
@@ -141,9 +141,9 @@ class Traversal {
       if (leaf_a && leaf_b) {
         if (leaves_overlap(entry.a, entry.b)) return true;
       } else if (leaf_b || (!leaf_a && entry.a.box.half.sum() >= entry.b.box.half.sum())) {
-        expand(a_, b_to_a_, entry.a, entry.b, [&](const Place& child) { push(child, entry.b); });
+        expand(a_, b_to_a_, entry.a, entry.b, [&](const BoxRef& child) { push(child, entry.b); });
       } else {
-        expand(b_, a_to_b_, entry.b, entry.a, [&](const Place& child) { push(entry.a, child); });
+        expand(b_, a_to_b_, entry.b, entry.a, [&](const BoxRef& child) { push(entry.a, child); });
       }
     }
     return false;
@@ -151,14 +151,14 @@ class Traversal {
 
  private:
   struct Entry {
-    Place a, b;
+    BoxRef a, b;
   };
 
-  void push(const Place& a, const Place& b) { stack_[size_++] = {a, b}; }
+  void push(const BoxRef& a, const BoxRef& b) { stack_[size_++] = {a, b}; }
 
   template <class Push>
-  void expand(const Side& side, const Frame& frame, const Place& place, const Place& other, Push&& push) const {
-    const MeshNode& node = side.node(place.index);
+  void expand(const Side& side, const Frame& frame, const BoxRef& ref, const BoxRef& other, Push&& push) const {
+    const MeshNode& node = side.node(ref.index);
     const Side::NodeBoxes boxes = side.boxes(node);
     const auto near = overlap(boxes, frame, other.box, slack_);
     for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
@@ -166,7 +166,7 @@ class Traversal {
     }
   }
 
-  bool leaves_overlap(const Place& a, const Place& b) const {
+  bool leaves_overlap(const BoxRef& a, const BoxRef& b) const {
     for (std::int32_t i = a.index; i < a.index + a.count; ++i) {
       const Box box = a_.box(i);
       if (!overlap(box, b_to_a_, b.box, slack_)) continue;
@@ -189,7 +189,7 @@ class Traversal {
 bool boxes_may_overlap(const BoxedMesh& a, const BoxedMesh& b, const Eigen::Isometry3d& b_to_a, double slack) noexcept {
   FineLease lease_a, lease_b;
   if (!a.shape.has_fine() || !b.shape.has_fine() || !lease_a.take(a.shape) || !lease_b.take(b.shape)) return true;
-  // All in float: its rounding, of numbers up to the sum of all sizes.
+  // Everything is computed in float. Its rounding is that of numbers up to the sum of all sizes.
   const double size = a.scale * a.shape.frame.reach() + a.growth + b.scale * b.shape.frame.reach() + b.growth +
                       b_to_a.translation().norm();
   const double all = slack + 64 * 0x1p-24 * size;

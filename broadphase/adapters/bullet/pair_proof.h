@@ -13,10 +13,10 @@ struct AttachedMesh {
   GImpactMesh mesh;
 };
 
-/// What is asked of two meshes beyond their being farther apart than both margins and all rounding.
+/// Requirements on two meshes beyond a distance larger than both margins and all rounding.
 struct Question {
   double extra = 0;             ///< distance beyond the margins
-  bool false_contacts = false;  ///< GImpact's contacts of triangles back to back count as well
+  bool false_contacts = false;  ///< GImpact's contacts of triangles back to back count as contacts
 };
 
 /// True only if Bullet has no contact between the two (docs/guarantee.md, "Bullet").
