@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/bullet/compare.h"
 
+#include "bench/common/report.h"
+#include "bench/common/statistics.h"
+
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <memory>
 #include <ostream>
 
@@ -21,14 +23,8 @@ constexpr std::array<Kind, 4> kinds = {{{"Bullet", Guard::none, BulletContacts::
                                         {"adapter, within margins", Guard::adapter, BulletContacts::within_margins},
                                         {"perfect", Guard::oracle, BulletContacts::all}}};
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
 /// Milliseconds of the contestants in one run; counts go to `c`.
-std::array<double, kinds.size()> run(const TriangleMesh& mesh, const ShapePtr& shape, Comparison& c) {
+std::array<double, kinds.size()> run(const TriangleMesh& mesh, const ShapePtr& shape, BulletComparison& c) {
   std::vector<std::unique_ptr<OctopusWorld>> worlds;
   for (const Kind& kind : kinds) {
     worlds.push_back(std::make_unique<OctopusWorld>(mesh, shape, c.scene, kind.guard, kind.contacts));
@@ -60,13 +56,14 @@ std::array<double, kinds.size()> run(const TriangleMesh& mesh, const ShapePtr& s
 
 }  // namespace
 
-bool Comparison::same() const {
+bool BulletComparison::same() const {
   return std::all_of(contestants.begin(), contestants.end(),
-                     [](const Contestant& c) { return c.different_contacts == 0 && c.different_transforms == 0; });
+                     [](const WorldResult& c) { return c.different_contacts == 0 && c.different_transforms == 0; });
 }
 
-Comparison compare(const TriangleMesh& mesh, const ShapePtr& shape, const Scene& scene, int steps, int runs) {
-  Comparison c;
+BulletComparison compare(const TriangleMesh& mesh, const ShapePtr& shape, const BulletScene& scene, int steps,
+                         int runs) {
+  BulletComparison c;
   c.scene = scene;
   c.steps = steps;
   c.runs = runs;
@@ -81,36 +78,34 @@ Comparison compare(const TriangleMesh& mesh, const ShapePtr& shape, const Scene&
     }
   }
   for (std::size_t i = 0; i < kinds.size(); ++i) {
-    c.contestants[i].ms_per_step = median(times[i]);
-    c.contestants[i].ratio = median(c.contestants[i].ratios);
+    c.contestants[i].ms_per_step = bench::median(times[i]);
+    c.contestants[i].ratio = bench::median(c.contestants[i].ratios);
   }
   return c;
 }
 
-void print(std::ostream& out, const Comparison& c) {
-  std::array<char, 320> line;
+void print(std::ostream& out, const BulletComparison& c) {
   const double steps = c.steps;
-  std::snprintf(
-      line.data(), line.size(),
+  out << bench::format(
       "%d bodies, cube %g wide, gravity %g: %d steps of %g s, %d runs. A step: %.1f pairs of meshes whose boxes "
       "overlap, %.2f touch; %.1f of mesh and plane, %.2f touch.\n\n",
       c.scene.bodies, c.scene.width, c.scene.gravity, c.steps, c.scene.dt, c.runs,
       static_cast<double>(c.mesh_pairs) / steps, static_cast<double>(c.touching_meshes) / steps,
       static_cast<double>(c.plane_pairs) / steps, static_cast<double>(c.touching_planes) / steps);
-  out << line.data()
-      << "| collision detection     | ms/step | times faster | asked/step | rejected | other contacts | other poses |\n"
-         "|---|--:|--:|--:|--:|--:|--:|\n";
-  for (const Contestant& x : c.contestants) {
+  bench::MarkdownTable table(
+      out,
+      {"collision detection", "ms/step", "times faster", "asked/step", "rejected", "other contacts", "other poses"}, 23,
+      12);
+  for (const WorldResult& x : c.contestants) {
     const double asked = static_cast<double>(x.asked);
-    std::snprintf(line.data(), line.size(), "| %-23s | %7.3f | %12.2f | %10.1f | %6.2f %% | %14lld | %11lld |\n",
-                  x.name.c_str(), x.ms_per_step, x.ratio, asked / steps,
-                  asked > 0 ? 100 * static_cast<double>(x.rejected) / asked : 0,
-                  static_cast<long long>(x.different_contacts), static_cast<long long>(x.different_transforms));
-    out << line.data();
+    table.row({x.name, bench::format("%.3f", x.ms_per_step), bench::format("%.2f", x.ratio),
+               bench::format("%.1f", asked / steps),
+               bench::format("%.2f %%", 100 * bench::ratio(static_cast<double>(x.rejected), asked)),
+               std::to_string(x.different_contacts), std::to_string(x.different_transforms)});
   }
 }
 
-nlohmann::ordered_json to_json(const Comparison& c) {
+nlohmann::ordered_json to_json(const BulletComparison& c) {
   nlohmann::ordered_json json = {{"bodies", c.scene.bodies},
                                  {"width", c.scene.width},
                                  {"gravity", c.scene.gravity},
@@ -124,7 +119,7 @@ nlohmann::ordered_json to_json(const Comparison& c) {
                                  {"touching_planes", c.touching_planes},
                                  {"same", c.same()},
                                  {"worlds", nlohmann::ordered_json::array()}};
-  for (const Contestant& x : c.contestants) {
+  for (const WorldResult& x : c.contestants) {
     json["worlds"].push_back({{"name", x.name},
                               {"ms_per_step", x.ms_per_step},
                               {"ratio", x.ratio},

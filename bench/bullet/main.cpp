@@ -2,17 +2,18 @@
 // encage-bullet: octopuses in a Bullet world, with and without the adapter.
 
 #include "bench/bullet/compare.h"
-#include "bench/tank/octopus.h"
+#include "bench/common/command.h"
+#include "bench/common/meshes.h"
+#include "bench/octopus/octopus.h"
 #include "cagegen/cli/output_file.h"
-#include "cagegen/cli/program.h"
 
 #include <encage/asset.h>
 #include <encage/bake.h>
 
-#include <CLI/CLI.hpp>
-
 #include <filesystem>
 #include <iostream>
+#include <limits>
+#include <utility>
 
 namespace encage::bullet_bench {
 namespace {
@@ -28,72 +29,63 @@ planes: many bounding boxes overlap, few bodies touch. The worlds take turns ste
 
 Exit status: 0; 1 if a step had other contacts or poses with the adapter; 2 for bad input or usage.)";
 
-struct Arguments {
+struct BulletArguments {
   std::filesystem::path asset, json;
   std::int64_t faces = 50'000;
-  Scene scene;
+  BulletScene scene;
   int steps = 480, runs = 3;
 };
 
 /// Mesh and shape: an asset's, with its cages, or an octopus with one cage.
-std::pair<TriangleMesh, ShapePtr> body(const Arguments& a) {
+std::pair<TriangleMesh, ShapePtr> body(const BulletArguments& a) {
   const CageHierarchy hierarchy = [&] {
     if (!a.asset.empty()) return read_asset(a.asset, Verify::all);
     BakeOptions options;
     options.faces = {500};
     options.method = BakeMethod::collapse;
-    return bake(tank::make_octopus(a.faces), options);
+    return bake(octopus::make_octopus(a.faces), options);
   }();
   if (hierarchy.fine.triangles.rows() == 0) throw Error(a.asset.string() + ": holds no fine mesh");
-  TriangleMesh mesh = hierarchy.fine;
-  mesh.vertices.rowwise() += hierarchy.origin.transpose();
-  return {mesh, make_shape(hierarchy)};
+  return {bench::in_body_frame(hierarchy.fine, hierarchy.origin), make_shape(hierarchy)};
 }
 
-void define(CLI::App& app, Arguments& a) {
-  const auto positive = CLI::PositiveNumber.description("");
-  const auto not_negative = CLI::NonNegativeNumber.description("");
-  app.footer(examples);
-  app.add_option("--asset", a.asset, "Asset of all bodies, with its fine mesh; else an octopus is made and baked")
-      ->type_name("FILE.glb");
-  app.add_option("--faces", a.faces, "Triangles of the octopus")->capture_default_str()->type_name("N");
-  const auto count = [&](const char* name, int& value, const char* text) {
-    app.add_option(name, value, text)
-        ->check(CLI::Range(1, 1'000'000).description(""))
-        ->capture_default_str()
-        ->type_name("N");
+void define(bench::CommandOptions& options, BulletArguments& a) {
+  constexpr double least = std::numeric_limits<double>::min(), most = 1e9;
+  options.asset(a.asset, "Asset of all bodies, with its fine mesh; else an octopus is made and baked");
+  options.add("--faces", a.faces, "Triangles of the octopus").shows_default().type("N");
+  options.add("--bodies", a.scene.bodies, "Bodies").between(1, 1'000'000).shows_default().type("N");
+  options.steps(a.steps, "Time steps");
+  options.runs(a.runs, "Runs; medians count");
+  const auto number = [&](const char* name, double& value, double smallest, const char* help) {
+    options.add(name, value, help).within(smallest, most).shows_default().type("X");
   };
-  count("--bodies", a.scene.bodies, "Bodies");
-  count("--steps", a.steps, "Time steps");
-  count("--runs", a.runs, "Runs; medians count");
-  const auto number = [&](const char* name, double& value, const CLI::Validator& check, const char* text) {
-    app.add_option(name, value, text)->check(check)->capture_default_str()->type_name("X");
-  };
-  number("--width", a.scene.width, positive, "Side of the cube");
-  number("--speed", a.scene.speed, not_negative, "Speed at the start");
-  number("--spin", a.scene.spin, not_negative, "Angular velocity at the start");
-  number("--gravity", a.scene.gravity, not_negative, "Downwards");
-  number("--margin", a.scene.margin, not_negative, "Collision margin of the meshes");
-  number("--dt", a.scene.dt, positive, "Seconds between steps");
-  app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
+  number("--width", a.scene.width, least, "Side of the cube");
+  number("--speed", a.scene.speed, 0, "Speed at the start");
+  number("--spin", a.scene.spin, 0, "Angular velocity at the start");
+  number("--gravity", a.scene.gravity, 0, "Downwards");
+  number("--margin", a.scene.margin, 0, "Collision margin of the meshes");
+  number("--dt", a.scene.dt, least, "Seconds between steps");
+  options.json(a.json);
 }
 
-int run(const Arguments& a) {
-  if (!a.json.empty()) tool::check_output(a.json, a.asset);
+bool run(BulletArguments& a) {
+  bench::check_outputs({a.json}, {a.asset});
   const auto [mesh, shape] = body(a);
-  const Comparison comparison = compare(mesh, shape, a.scene, a.steps, a.runs);
+  const BulletComparison comparison = compare(mesh, shape, a.scene, a.steps, a.runs);
   if (!a.json.empty()) tool::write_json(a.json, to_json(comparison));
   std::cout << mesh.triangles.rows() << " faces; ";
   print(std::cout, comparison);
-  return comparison.same() ? tool::success : tool::answer_is_no;
+  return comparison.same();
 }
 
 }  // namespace
 }  // namespace encage::bullet_bench
 
 int main(int argc, char** argv) {
-  CLI::App app("Octopuses in a Bullet world: collision detection with and without Encage's adapter.", "encage-bullet");
-  encage::bullet_bench::Arguments a;
-  encage::bullet_bench::define(app, a);
-  return encage::tool::run_program(app, argc, argv, [&] { return encage::bullet_bench::run(a); });
+  using namespace encage;
+  return bench::run_command(
+      bench::make_command<bullet_bench::BulletArguments>(
+          "encage-bullet", "Octopuses in a Bullet world: collision detection with and without Encage's adapter.",
+          bullet_bench::examples, bullet_bench::define, bullet_bench::run),
+      argc, argv);
 }

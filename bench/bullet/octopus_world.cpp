@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/bullet/octopus_world.h"
 
-#include "bench/tank/cpu_clock.h"
+#include "bench/common/clock.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
@@ -14,9 +14,9 @@ namespace encage::bullet_bench {
 namespace {
 
 /// Asks an oracle, if there is one, before Bullet does.
-class Dispatcher : public btCollisionDispatcher {
+class GuardedDispatcher : public btCollisionDispatcher {
  public:
-  Dispatcher(btCollisionConfiguration* configuration, bool oracle) : btCollisionDispatcher(configuration) {
+  GuardedDispatcher(btCollisionConfiguration* configuration, bool oracle) : btCollisionDispatcher(configuration) {
     btGImpactCollisionAlgorithm::registerAlgorithm(this);
     if (oracle) setNearCallback(visit);
   }
@@ -27,7 +27,7 @@ class Dispatcher : public btCollisionDispatcher {
   static void visit(btBroadphasePair& pair, btCollisionDispatcher& self, const btDispatcherInfo& info) {
     const auto& a = *static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
     const auto& b = *static_cast<btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    if (static_cast<Dispatcher&>(self).touching->contains(numbers(a, b)) || holds_manifold(pair)) {
+    if (static_cast<GuardedDispatcher&>(self).touching->contains(numbers(a, b)) || holds_manifold(pair)) {
       defaultNearCallback(pair, self, info);
     }
   }
@@ -45,9 +45,9 @@ class TimedWorld : public btDiscreteDynamicsWorld {
   double milliseconds = 0;
 
   void performDiscreteCollisionDetection() override {
-    const double start = tank::thread_cpu_seconds();
+    const double start = bench::thread_cpu_seconds();
     btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
-    milliseconds += 1e3 * (tank::thread_cpu_seconds() - start);
+    milliseconds += 1e3 * (bench::thread_cpu_seconds() - start);
   }
 };
 
@@ -65,7 +65,7 @@ btVector3 random_vector(std::minstd_rand& random, double length) {
 }  // namespace
 
 struct OctopusWorld::World {
-  World(const TriangleMesh& mesh, const Scene& of, bool oracle)
+  World(const TriangleMesh& mesh, const BulletScene& of, bool oracle)
       : scene(of),
         vertices(mesh.vertices.cast<float>()),
         triangles(mesh.triangles),
@@ -121,14 +121,14 @@ struct OctopusWorld::World {
     }
   }
 
-  Scene scene;
+  BulletScene scene;
   Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> vertices;  // arrays points into both
   Triangles triangles;
   btTriangleIndexVertexArray arrays;
   btGImpactMeshShape mesh_shape;
   std::vector<std::unique_ptr<btStaticPlaneShape>> walls;
   btDefaultCollisionConfiguration configuration;
-  Dispatcher dispatcher;
+  GuardedDispatcher dispatcher;
   std::unique_ptr<BulletAdapter> adapter;
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
@@ -136,7 +136,7 @@ struct OctopusWorld::World {
   std::vector<std::unique_ptr<btRigidBody>> bodies;
 };
 
-OctopusWorld::OctopusWorld(const TriangleMesh& mesh, const ShapePtr& shape, const Scene& scene, Guard guard,
+OctopusWorld::OctopusWorld(const TriangleMesh& mesh, const ShapePtr& shape, const BulletScene& scene, Guard guard,
                            BulletContacts contacts)
     : world_(std::make_unique<World>(mesh, scene, guard == Guard::oracle)) {
   if (guard == Guard::adapter) {

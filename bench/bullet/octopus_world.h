@@ -15,7 +15,7 @@
 namespace encage::bullet_bench {
 
 /// Bodies of one mesh, about 1 in radius, that tumble in a cube of six static planes.
-struct Scene {
+struct BulletScene {
   int bodies = 64;
   double width = 10;   ///< side of the cube
   double speed = 1;    ///< at the start, per body, in a random direction
@@ -36,7 +36,7 @@ enum class Guard {
 /// A Bullet world of such a scene. Bodies are numbered, planes come after meshes.
 class OctopusWorld {
  public:
-  OctopusWorld(const TriangleMesh& mesh, const ShapePtr& shape, const Scene& scene, Guard guard,
+  OctopusWorld(const TriangleMesh& mesh, const ShapePtr& shape, const BulletScene& scene, Guard guard,
                BulletContacts contacts = BulletContacts::all);
   ~OctopusWorld();
   OctopusWorld(const OctopusWorld&) = delete;

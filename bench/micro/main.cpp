@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-micro: what each kernel and each stage costs, alone.
 
+#include "bench/common/command.h"
 #include "bench/micro/benches.h"
-#include "cagegen/cli/program.h"
 
 #include <encage/error.h>
 
-#include <CLI/CLI.hpp>
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -23,11 +22,11 @@ constexpr const char* examples = R"(Examples:
 
 Exit status: 0 success, 2 bad input or usage. --benchmark_... are Google Benchmark's options.)";
 
-struct Arguments {
+struct MicroArguments {
   std::filesystem::path asset, poses;
 };
 
-int run(const Arguments& a) {
+bool run(MicroArguments& a) {
   if (a.asset.empty() != a.poses.empty()) throw Error("--asset and --poses belong together");
   const Workload workload = a.asset.empty() ? sample_workload() : recorded_workload(a.asset, a.poses);
   benchmark::AddCustomContext("shape", a.asset.empty() ? "torus" : a.asset.filename().string());
@@ -40,7 +39,14 @@ int run(const Arguments& a) {
   add_loads(workload);
   if (benchmark::RunSpecifiedBenchmarks() == 0) throw Error("no bench of that name");
   benchmark::Shutdown();
-  return tool::success;
+  return true;
+}
+
+void define(bench::CommandOptions& options, MicroArguments& a) {
+  options.asset(a.asset, "Asset of all bodies; without, a small torus").environment("ENCAGE_MICRO_ASSET");
+  options.add("--poses", a.poses, "Poses of the bodies, step by step")
+      .environment("ENCAGE_MICRO_POSES")
+      .type("FILE.csv");
 }
 
 }  // namespace
@@ -49,14 +55,9 @@ int run(const Arguments& a) {
 int main(int argc, char** argv) {
   // Google Benchmark takes its own options out.
   benchmark::Initialize(&argc, argv);
-  CLI::App app("What each kernel and each stage of the run time costs, alone.", "encage-micro");
-  encage::micro::Arguments a;
-  app.footer(encage::micro::examples);
-  app.add_option("--asset", a.asset, "Asset of all bodies; without, a small torus")
-      ->envname("ENCAGE_MICRO_ASSET")
-      ->type_name("FILE.glb");
-  app.add_option("--poses", a.poses, "Poses of the bodies, step by step")
-      ->envname("ENCAGE_MICRO_POSES")
-      ->type_name("FILE.csv");
-  return encage::tool::run_program(app, argc, argv, [&] { return encage::micro::run(a); });
+  using namespace encage;
+  return bench::run_command(bench::make_command<micro::MicroArguments>(
+                                "encage-micro", "What each kernel and each stage of the run time costs, alone.",
+                                micro::examples, micro::define, micro::run),
+                            argc, argv);
 }

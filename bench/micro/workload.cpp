@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/micro/workload.h"
 
-#include "broadphase/motion/frame.h"
+#include "bench/common/process.h"
+#include "bench/common/recorded_poses.h"
+#include "broadphase/motion/pair_motion.h"
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/shape.h"
@@ -11,10 +13,7 @@
 #include <encage/error.h>
 #include <encage/poses.h>
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <map>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -47,13 +46,11 @@ bool boxes_are_apart(const Shape& shape, const Case& c) {
 
 /// All bodies of both steps, moving from the one to the other.
 std::vector<Motion> motions(const PoseStep& from, const PoseStep& to) {
-  std::map<std::int32_t, Eigen::Isometry3d> ends;
-  for (const BodyPose& body : to.bodies) ends[body.body] = body.pose;
   std::vector<Motion> all;
   for (const BodyPose& body : from.bodies) {
-    const auto end = ends.find(body.body);
-    if (end == ends.end()) continue;
-    const Motion motion{body.pose, end->second};
+    const BodyPose* end = bench::find_body(to, body.body);
+    if (end == nullptr) continue;
+    const Motion motion{body.pose, end->pose};
     if (is_usable(motion)) all.push_back(motion);
   }
   return all;
@@ -63,7 +60,7 @@ std::vector<Motion> motions(const PoseStep& from, const PoseStep& to) {
 
 Workload sample_workload() {
   Workload work;
-  work.asset = std::filesystem::temp_directory_path() / ("encage-micro-" + std::to_string(getpid()) + ".glb");
+  work.asset = bench::temporary_file("encage-micro.glb");
   work.temporary = {nullptr, [file = work.asset](void*) {
                       std::error_code ignored;
                       std::filesystem::remove(file, ignored);
@@ -124,23 +121,23 @@ Workload recorded_workload(const std::filesystem::path& asset, const std::filesy
 
 std::vector<TrianglePairCase> near_triangles(const Workload& workload) {
   constexpr int most_leaves = 64;  // of a case
-  struct Context {
+  struct LeafPairs {
     const Surface& surface;
     const PairMotion& motion;
     std::vector<TrianglePairCase>& found;
     int left = most_leaves;
   };
   std::vector<TrianglePairCase> found;
-  const Surface& fine = workload.shape->fine;
+  const Surface& fine = workload.shape->simple().fine;
   for (const Case& c : workload.cases) {
     const PairMotion motion = pair_motion(*workload.shape, c.a, *workload.shape, c.b);
     const double distance = required_distance(*workload.shape, c.a, *workload.shape, c.b, 0);
     const GateBody body{fine.radius, fine.tree.grid};
-    Context context{fine, motion, found};
+    LeafPairs context{fine, motion, found};
     visit_leaf_pairs(
         fine.tree, fine.tree, BoxGate(motion, body, body, distance),
         [](void* p, std::int32_t first_a, std::int32_t, std::int32_t first_b, std::int32_t) {
-          auto& [surface, m, all, left] = *static_cast<Context*>(p);
+          auto& [surface, m, all, left] = *static_cast<LeafPairs*>(p);
           all.push_back({moving_triangle(surface, m.a, surface.tree.leaves[first_a]),
                          moving_triangle(surface, m.b, surface.tree.leaves[first_b])});
           return --left > 0;

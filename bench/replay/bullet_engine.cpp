@@ -12,9 +12,9 @@ namespace encage::replay {
 namespace {
 
 /// Hands the step's query to the near callback.
-class Dispatcher : public btCollisionDispatcher {
+class PairDispatcher : public btCollisionDispatcher {
  public:
-  explicit Dispatcher(btCollisionConfiguration* configuration) : btCollisionDispatcher(configuration) {
+  explicit PairDispatcher(btCollisionConfiguration* configuration) : btCollisionDispatcher(configuration) {
     setNearCallback(visit);
     btGImpactCollisionAlgorithm::registerAlgorithm(this);
   }
@@ -24,7 +24,7 @@ class Dispatcher : public btCollisionDispatcher {
 
  private:
   static void visit(btBroadphasePair& pair, btCollisionDispatcher& self, const btDispatcherInfo& info) {
-    Dispatcher& dispatcher = static_cast<Dispatcher&>(self);
+    PairDispatcher& dispatcher = static_cast<PairDispatcher&>(self);
     const BodyPose& a = pose_of(*pair.m_pProxy0);
     const BodyPose& b = pose_of(*pair.m_pProxy1);
     if (dispatcher.question->skips(a, b)) return;
@@ -103,7 +103,7 @@ class BulletEngine : public Engine {
   btTriangleIndexVertexArray arrays_;
   btGImpactMeshShape shape_;
   btDefaultCollisionConfiguration configuration_;
-  Dispatcher dispatcher_{&configuration_};
+  PairDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
   btCollisionWorld world_{&dispatcher_, &broadphase_, &configuration_};
   std::map<std::int32_t, std::unique_ptr<btCollisionObject>> objects_;  // by body number; user pointer: its pose

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/continuous.h"
 
-#include "bench/replay/box_pairs.h"
-#include "bench/replay/step_times.h"
+#include "bench/common/box_pairs.h"
+#include "bench/common/step_times.h"
 
 #include <encage/contact.h>
 
@@ -16,20 +16,20 @@ struct Counts {
 };
 
 /// A body's motion in a step, or its pose at the start.
-Motion motion_of(const tank::RecordedBody& body, bool moving) {
+Motion motion_of(const bench::RecordedBody& body, bool moving) {
   return moving ? body.motion : Motion::resting(body.motion.start);
 }
 
-class Detector {
+class PairDetector {
  public:
-  explicit Detector(const Shape& shape) : shape_(shape) {
+  explicit PairDetector(const Shape& shape) : shape_(shape) {
     options_.boxes = false;
     options_.cages = CageUse::never;
   }
 
-  Counts run(const tank::RecordedStep& step, const std::vector<BodyPair>& leave_out, bool moving) {
+  Counts run(const bench::RecordedStep& step, const std::vector<BodyPair>& leave_out, bool moving) {
     motions_.clear();
-    for (const tank::RecordedBody& body : step.bodies) motions_.push_back(motion_of(body, moving));
+    for (const bench::RecordedBody& body : step.bodies) motions_.push_back(motion_of(body, moving));
     Counts counts;
     for (const auto& [i, j] : boxes_.overlaps(shape_, motions_)) {
       const BodyPair pair = make_pair(step.bodies[i].body, step.bodies[j].body);
@@ -48,21 +48,21 @@ class Detector {
  private:
   const Shape& shape_;
   PairOptions options_;
-  BoxPairs boxes_;
+  bench::BoxPairs boxes_;
   std::vector<Motion> motions_;
 };
 
 }  // namespace
 
-Continuous continuous(const Shape& shape, const tank::Recording& recording,
+Continuous continuous(const Shape& shape, const bench::Recording& recording,
                       const std::vector<std::vector<BodyPair>>& touching, int runs,
                       const std::function<void(double fraction)>& progress) {
   const std::size_t steps = recording.steps.size();
   std::vector<Counts> counts(steps);
-  StepTimes moving(steps), resting(steps);
-  Detector detector(shape);
+  bench::StepTimes moving(steps), resting(steps);
+  PairDetector detector(shape);
   std::size_t done = 0;
-  in_turns(runs, steps, [&](std::size_t first, std::size_t last) {
+  bench::in_turns(runs, steps, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       counts[i] = moving.time(i, [&] { return detector.run(recording.steps[i], touching[i], true); });
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/common/recording.h"
 #include "bench/replay/gate.h"
-#include "bench/tank/recording.h"
 
 #include <encage/separated.h>
 
@@ -25,7 +25,7 @@ struct Continuous {
 
 /// `touching`: pairs that touch at the start, per step, sorted; they are left out.
 Continuous continuous(
-    const Shape& shape, const tank::Recording& recording, const std::vector<std::vector<BodyPair>>& touching, int runs,
+    const Shape& shape, const bench::Recording& recording, const std::vector<std::vector<BodyPair>>& touching, int runs,
     const std::function<void(double fraction)>& progress = [](double) {});
 
 }  // namespace encage::replay

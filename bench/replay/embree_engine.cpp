@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/embree_engine.h"
 
-#include "bench/replay/box_pairs.h"
+#include "bench/common/box_pairs.h"
 #include "cagegen/certify/exact.h"
 
 #include <encage/error.h>
@@ -18,18 +18,18 @@
 namespace encage::replay {
 namespace {
 
-struct Release {
+struct ReleaseModel {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
   void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
 };
-using Device = std::unique_ptr<RTCDeviceTy, Release>;
+using Device = std::unique_ptr<RTCDeviceTy, ReleaseModel>;
 
 /// Vertices in columns, with a fourth coordinate for whole vector registers.
 using Points = Eigen::Matrix<float, 4, Eigen::Dynamic>;
 
 /// What all bodies share.
-struct Model {
+struct EmbreeModel {
   TriangleMesh mesh;
   Points points;      ///< of the mesh, fourth coordinate 1
   double extent = 0;  ///< largest coordinate
@@ -43,7 +43,7 @@ struct Model {
 /// A tree over the triangles of a body in some frame.
 class Tree {
  public:
-  Tree(const Model& model, RTCSceneFlags flags, RTCBuildQuality quality)
+  Tree(const EmbreeModel& model, RTCSceneFlags flags, RTCBuildQuality quality)
       : model_(model), scene_(rtcNewScene(model.device.get())) {
     geometry_.reset(rtcNewGeometry(model.device.get(), RTC_GEOMETRY_TYPE_USER));
     rtcSetGeometryUserPrimitiveCount(geometry_.get(), static_cast<unsigned>(model.mesh.triangles.rows()));
@@ -80,9 +80,9 @@ class Tree {
     std::memcpy(&arguments->bounds_o->upper_x, high.data(), sizeof(high));
   }
 
-  const Model& model_;
-  std::unique_ptr<RTCSceneTy, Release> scene_;
-  std::unique_ptr<RTCGeometryTy, Release> geometry_;
+  const EmbreeModel& model_;
+  std::unique_ptr<RTCSceneTy, ReleaseModel> scene_;
+  std::unique_ptr<RTCGeometryTy, ReleaseModel> geometry_;
   Points points_;
   float slack_ = 0;
 };
@@ -109,7 +109,7 @@ struct Collision {
   }
 };
 
-/// Root of a place in a forest of groups, the least of its group.
+/// Root of an entry in a forest of groups, the least of its group.
 std::size_t root_of(std::vector<std::size_t>& parent, std::size_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
@@ -141,7 +141,7 @@ class EmbreeEngine : public Engine {
  private:
   void find(const StepQuestion& question, std::vector<BodyPair>& pairs) {
     const std::vector<BodyPose>& bodies = question.step.bodies;
-    BoxPairs::Places asked;
+    bench::BoxPairs::Places asked;
     for (const auto& [i, j] : boxes_.overlaps(*shape_, question.step)) {
       if (!question.skips(bodies[i], bodies[j])) asked.emplace_back(i, j);
     }
@@ -181,9 +181,9 @@ class EmbreeEngine : public Engine {
 
   ShapePtr shape_;
   EmbreeUpdate update_;
-  BoxPairs boxes_;
+  bench::BoxPairs boxes_;
   tbb::task_arena arena_{1};
-  Model model_;
+  EmbreeModel model_;
   std::unique_ptr<Tree> resting_;
   std::vector<std::unique_ptr<Tree>> pool_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/encage_engine.h"
 
-#include "bench/replay/box_pairs.h"
+#include "bench/common/box_pairs.h"
 
 #include <utility>
 
@@ -38,7 +38,7 @@ class EncageEngine : public Engine {
 
  private:
   ShapePtr shape_;
-  BoxPairs boxes_;
+  bench::BoxPairs boxes_;
 };
 
 }  // namespace

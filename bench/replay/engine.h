@@ -23,14 +23,14 @@ struct StepQuestion {
   }
 };
 
-/// A collision engine that holds copies of one mesh. It prepares what it can when it is made. Not for
-/// use by several threads.
+/// A collision engine that holds copies of one mesh. It prepares what it can when it is made. Not for use by several
+/// threads.
 class Engine {
  public:
   virtual ~Engine() = default;
   virtual std::string name() const = 0;
-  /// Pairs of bodies whose surfaces touch or solids overlap at the poses of a step, sorted; without those
-  /// that the question skips; found by the engine's own stages.
+  /// Pairs of bodies whose surfaces touch or solids overlap at the poses of a step, sorted; without those that the
+  /// question skips; found by the engine's own stages.
   virtual std::vector<BodyPair> touching(const StepQuestion& question) = 0;
   /// False for a gate that only asks what the engine asks itself.
   virtual bool gains_from(const Gate&) const { return true; }

@@ -23,7 +23,7 @@ Engines one(std::unique_ptr<Engine> engine) {
   return engines;
 }
 
-Engines embree(const Body& body, std::initializer_list<EmbreeUpdate> updates) {
+Engines embree(const ReplayBody& body, std::initializer_list<EmbreeUpdate> updates) {
   Engines engines;
   for (const EmbreeUpdate update : updates) engines.push_back(make_embree_engine(body.mesh, body.shape, update));
   return engines;
@@ -31,23 +31,23 @@ Engines embree(const Body& body, std::initializer_list<EmbreeUpdate> updates) {
 
 struct Entry {
   std::string name;
-  std::function<Engines(const Body&)> make;
+  std::function<Engines(const ReplayBody&)> make;
 };
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
-      {"encage", [](const Body& body) { return one(make_encage_engine(body.shape)); }},
-      {"fcl", [](const Body& body) { return one(make_fcl_engine(body.mesh, FclVolume::obbrss)); }},
-      {"fcl_obb", [](const Body& body) { return one(make_fcl_engine(body.mesh, FclVolume::obb)); }},
-      {"fcl_float", [](const Body& body) { return one(make_fcl_engine(body.mesh, FclVolume::obbrss_float)); }},
-      {"bullet", [](const Body& body) { return one(make_bullet_engine(body.mesh)); }},
-      {"ode", [](const Body& body) { return one(make_ode_engine(body.mesh)); }},
+      {"encage", [](const ReplayBody& body) { return one(make_encage_engine(body.shape)); }},
+      {"fcl", [](const ReplayBody& body) { return one(make_fcl_engine(body.mesh, FclVolume::obbrss)); }},
+      {"fcl_obb", [](const ReplayBody& body) { return one(make_fcl_engine(body.mesh, FclVolume::obb)); }},
+      {"fcl_float", [](const ReplayBody& body) { return one(make_fcl_engine(body.mesh, FclVolume::obbrss_float)); }},
+      {"bullet", [](const ReplayBody& body) { return one(make_bullet_engine(body.mesh)); }},
+      {"ode", [](const ReplayBody& body) { return one(make_ode_engine(body.mesh)); }},
       {"embree",
-       [](const Body& body) {
+       [](const ReplayBody& body) {
          return embree(body, {EmbreeUpdate::refit, EmbreeUpdate::rebuild});
        }},
-      {"embree_refit", [](const Body& body) { return embree(body, {EmbreeUpdate::refit}); }},
-      {"embree_rebuild", [](const Body& body) { return embree(body, {EmbreeUpdate::rebuild}); }},
+      {"embree_refit", [](const ReplayBody& body) { return embree(body, {EmbreeUpdate::refit}); }},
+      {"embree_rebuild", [](const ReplayBody& body) { return embree(body, {EmbreeUpdate::rebuild}); }},
   };
   return all;
 }
@@ -63,7 +63,7 @@ const std::vector<std::string>& engine_names() {
   return names;
 }
 
-Engines make_engines(const std::string& name, const Body& body) {
+Engines make_engines(const std::string& name, const ReplayBody& body) {
   for (const Entry& entry : entries()) {
     if (entry.name == name) return entry.make(body);
   }

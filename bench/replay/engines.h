@@ -14,6 +14,6 @@ namespace encage::replay {
 const std::vector<std::string>& engine_names();
 
 /// The engines of a name: one, or for `embree` both ways to update its trees.
-std::vector<std::unique_ptr<Engine>> make_engines(const std::string& name, const Body& body);
+std::vector<std::unique_ptr<Engine>> make_engines(const std::string& name, const ReplayBody& body);
 
 }  // namespace encage::replay

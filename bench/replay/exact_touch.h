@@ -11,9 +11,8 @@
 
 namespace encage::replay {
 
-/// Which bodies touch, in exact arithmetic: every vertex is the exact image of the mesh's under the
-/// pose, whose entries are taken as the rational numbers they are. Shares no code with Encage's run time or the
-/// engines.
+/// Which bodies touch, in exact arithmetic: every vertex is the exact image of the mesh's under the pose, whose entries
+/// are taken as the rational numbers they are. Shares no code with Encage's run time or the engines.
 class ExactTouch {
  public:
   /// `mesh` in the body frame, with at least one triangle; `closed`: it bounds a solid.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/fcl_engine.h"
 
-#include "bench/replay/fcl_model.h"
+#include "bench/common/fcl_model.h"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/narrowphase/collision.h>
@@ -21,7 +21,7 @@ class FclEngine : public Engine {
   using Object = fcl::CollisionObject<Scalar>;
 
   FclEngine(const TriangleMesh& mesh, std::string name)
-      : name_(std::move(name)), model_(make_fcl_model<Volume>(mesh)) {}
+      : name_(std::move(name)), model_(bench::make_fcl_model<Volume>(mesh)) {}
 
   std::string name() const override { return name_; }
 
@@ -36,14 +36,14 @@ class FclEngine : public Engine {
     } else {
       manager_.update(present);
     }
-    Query query{question, {}};
+    FclQuery query{question, {}};
     manager_.collide(&query, visit);
     std::sort(query.pairs.begin(), query.pairs.end());
     return std::move(query.pairs);
   }
 
  private:
-  struct Query {
+  struct FclQuery {
     const StepQuestion& question;
     std::vector<BodyPair> pairs;
   };
@@ -58,7 +58,7 @@ class FclEngine : public Engine {
   }
 
   static bool visit(Object* a, Object* b, void* data) {
-    Query& query = *static_cast<Query*>(data);
+    FclQuery& query = *static_cast<FclQuery*>(data);
     const BodyPose& body_a = *static_cast<const BodyPose*>(a->getUserData());
     const BodyPose& body_b = *static_cast<const BodyPose*>(b->getUserData());
     if (query.question.skips(body_a, body_b)) return false;
@@ -72,8 +72,8 @@ class FclEngine : public Engine {
     if constexpr (std::is_same_v<Scalar, double>) {
       return fcl::collide(&a, &b, request, result) > 0;
     } else {
-      // What fcl::collide() does with two such meshes. The library has it for double only, and all shapes take long
-      // to compile.
+      // What fcl::collide() does with two such meshes. The library has it for double only, and all shapes take long to
+      // compile.
       return fcl::detail::BVHCollide<Volume>(a.collisionGeometry().get(), a.getTransform(), b.collisionGeometry().get(),
                                              b.getTransform(), request, result) > 0;
     }

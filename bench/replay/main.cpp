@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-replay: recorded poses through collision engines, alone and behind Encage's tests.
 
+#include "bench/common/command.h"
+#include "bench/common/recorded_poses.h"
+#include "bench/common/watch.h"
 #include "bench/replay/continuous.h"
 #include "bench/replay/engines.h"
 #include "bench/replay/exact_touch.h"
 #include "bench/replay/mesh_shape.h"
 #include "bench/replay/replay.h"
 #include "bench/replay/replay_report.h"
-#include "bench/tank/recorded_poses.h"
-#include "cagegen/cli/interrupt.h"
 #include "cagegen/cli/output_file.h"
-#include "cagegen/cli/program.h"
-#include "cagegen/cli/progress.h"
 
 #include <encage/error.h>
-
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -41,7 +38,7 @@ test, and the gain; "perfect": behind a test that knows which pairs touch, and t
 
 Exit status: 0 if all agree on the touching pairs, 1 if not, 2 for bad input or usage.)";
 
-struct Arguments {
+struct ReplayArguments {
   std::filesystem::path mesh, cages, poses, json;
   std::vector<std::string> engines = {"encage", "fcl", "fcl_obb", "fcl_float", "bullet", "ode", "embree"};
   std::vector<std::string> fronts = {"cages", "full"};
@@ -58,52 +55,43 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-void define(CLI::App& app, Arguments& a) {
-  app.footer(examples);
-  app.add_option("--mesh", a.mesh, "Mesh of all bodies")->required()->type_name("FILE");
-  app.add_option("--cages", a.cages, "Asset that encage bake made of the mesh")->type_name("FILE.glb");
-  app.add_option("--poses", a.poses, "Poses of the bodies, step by step")->required()->type_name("FILE.csv");
-  app.add_option("--engines", a.engines, "Engines, separated by commas; embree: both ways to update its trees")
-      ->delimiter(',')
-      ->check(CLI::IsMember(engine_names()).description(""))
-      ->default_str(joined(a.engines))
-      ->type_name(joined(engine_names()));
-  app.add_option("--front", a.fronts,
-                 "What is asked before an engine: Encage's cages, or its full test; none: neither. Cages need --cages")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"cages", "full", "none"}).description(""))
-      ->default_str(joined(a.fronts))
-      ->type_name("cages,full,none");
-  app.add_flag("--continuous", a.continuous, "Also Encage's continuous detection, from each step to the next one");
-  app.add_flag("--free", a.free,
+void define(bench::CommandOptions& options, ReplayArguments& a) {
+  options.add("--mesh", a.mesh, "Mesh of all bodies").required().type("FILE");
+  options.add("--cages", a.cages, "Asset that encage bake made of the mesh").type("FILE.glb");
+  options.poses(a.poses);
+  options.add("--engines", a.engines, "Engines, separated by commas; embree: both ways to update its trees")
+      .one_of(engine_names())
+      .shows_default(joined(a.engines))
+      .type(joined(engine_names()));
+  options
+      .add("--front", a.fronts,
+           "What is asked before an engine: Encage's cages, or its full test; none: neither. Cages need --cages")
+      .one_of({"cages", "full", "none"})
+      .shows_default(joined(a.fronts))
+      .type("cages,full,none");
+  options.flag("--continuous", a.continuous, "Also Encage's continuous detection, from each step to the next one");
+  options.flag("--free", a.free,
                "Leave out pairs that touch in the recorded step before, or in the first one, as if no bodies ever "
                "interpenetrated");
-  app.add_option("--every", a.every, "Take every K-th step only")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}).description(""))
-      ->type_name("K");
-  app.add_option("--runs", a.runs, "Runs; the median time of each step counts")
-      ->check(CLI::Range(1, 1000).description(""))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option("--cage-level", a.level, "Cage level asked, 0 the finest")
-      ->check(CLI::Range(0, 63).description(""))
-      ->type_name("K");
-  app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
+  options.every(a.every);
+  options.runs(a.runs, "Runs; the median time of each step counts");
+  options.add("--cage-level", a.level, "Cage level asked, 0 the finest").between(0, 63).type("K");
+  options.json(a.json);
 }
 
 using Pairs = std::vector<BodyPair>;
 
 /// What happens in the steps that are taken.
-struct Scene {
+struct ReplayScene {
   std::vector<PoseStep> steps;
   std::vector<Pairs> touching;  ///< per step, sorted
   std::vector<Pairs> before;    ///< in the recorded step before it, or in the first one; only if asked for
 };
 
-Scene make_scene(const Arguments& a, const std::vector<PoseStep>& poses, const Body& body,
-                 const std::function<void(double fraction)>& progress) {
+ReplayScene make_scene(const ReplayArguments& a, const std::vector<PoseStep>& poses, const ReplayBody& body,
+                       const std::function<void(double fraction)>& progress) {
   const ExactTouch exact(body.mesh, body.closed);
-  Scene scene;
+  ReplayScene scene;
   for (std::size_t i = 0; i < poses.size(); i += static_cast<std::size_t>(a.every)) {
     scene.steps.push_back(poses[i]);
     scene.touching.push_back(exact.touching(poses[i]));
@@ -114,7 +102,7 @@ Scene make_scene(const Arguments& a, const std::vector<PoseStep>& poses, const B
 }
 
 /// What engines are asked, and what is true.
-Question question_of(const Scene& scene) {
+Question question_of(const ReplayScene& scene) {
   Question question{scene.steps, scene.touching, scene.before, {}};
   for (std::size_t i = 0; i < scene.before.size(); ++i) {
     std::erase_if(question.truth[i], [&](const BodyPair& pair) {
@@ -127,7 +115,7 @@ Question question_of(const Scene& scene) {
 /// Tests of ours that there are.
 class Fronts {
  public:
-  Fronts(const Arguments& a, const Body& body) : cages_(body.shape, a.level), full_(body.shape) {
+  Fronts(const ReplayArguments& a, const ReplayBody& body) : cages_(body.shape, a.level), full_(body.shape) {
     const auto asked = [&](const char* name) { return std::count(a.fronts.begin(), a.fronts.end(), name) > 0; };
     if (asked("cages") && !a.cages.empty()) list_.push_back({"cages", &cages_});
     if (asked("full")) list_.push_back({"full", &full_});
@@ -143,13 +131,13 @@ class Fronts {
   std::vector<Front> list_;
 };
 
-void check_level(const Arguments& a, const Body& body) {
+void check_level(const ReplayArguments& a, const ReplayBody& body) {
   if (a.cages.empty() || a.level < body.levels) return;
   throw Error("--cage-level " + std::to_string(a.level) + ": there are only " + std::to_string(body.levels) +
               " levels");
 }
 
-std::vector<std::unique_ptr<Engine>> all_engines(const Arguments& a, const Body& body) {
+std::vector<std::unique_ptr<Engine>> all_engines(const ReplayArguments& a, const ReplayBody& body) {
   std::vector<std::unique_ptr<Engine>> engines;
   for (const std::string& name : a.engines) {
     for (std::unique_ptr<Engine>& engine : make_engines(name, body)) engines.push_back(std::move(engine));
@@ -157,32 +145,23 @@ std::vector<std::unique_ptr<Engine>> all_engines(const Arguments& a, const Body&
   return engines;
 }
 
-int run(const Arguments& a) {
-  const tool::InterruptScope scope;
-  for (const auto& read : {a.mesh, a.cages, a.poses}) {
-    if (!a.json.empty()) tool::check_output(a.json, read);
-  }
+bool run(ReplayArguments& a) {
+  bench::check_outputs({a.json}, {a.mesh, a.cages, a.poses});
   const std::vector<PoseStep> poses = read_poses(a.poses);
-  std::optional<tank::Recording> recording;
-  if (a.continuous) recording = tank::recording_of(poses, 1, a.every, a.poses.string());
-  const Body body = load_body(a.mesh, a.cages);
+  std::optional<bench::Recording> recording;
+  if (a.continuous) recording = bench::recording_of(poses, 1, a.every, a.poses.string());
+  const ReplayBody body = load_body(a.mesh, a.cages);
   check_level(a, body);
   const Fronts fronts(a, body);
 
-  tool::Progress progress = tool::Progress::on_stderr();
-  const auto report = [&](const char* what) {
-    return [&progress, what](double fraction) {
-      progress.update(fraction, what);
-      tool::throw_if_interrupted();
-    };
-  };
-  const Scene scene = make_scene(a, poses, body, report("exact arithmetic"));
+  bench::Watch watch;
+  const ReplayScene scene = make_scene(a, poses, body, watch.reporter("exact arithmetic"));
   Question question = question_of(scene);
   question.fronts = fronts.list();
   question.runs = a.runs;
-  const Replay result = replay(all_engines(a, body), question, report("replaying"));
+  const Replay result = replay(all_engines(a, body), question, watch.reporter("replaying"));
   std::optional<Continuous> moving;
-  if (recording) moving = continuous(*body.shape, *recording, scene.touching, a.runs, report("continuous"));
+  if (recording) moving = continuous(*body.shape, *recording, scene.touching, a.runs, watch.reporter("continuous"));
 
   if (!a.json.empty()) {
     nlohmann::ordered_json json = {{"mesh", a.mesh.string()}, {"poses", a.poses.string()}, {"every", a.every}};
@@ -195,16 +174,18 @@ int run(const Arguments& a) {
   print(std::cout, result, moving);
   // On stderr: it is why the status is not 0.
   print(std::cerr, "encage-replay: ", result.disagreements);
-  return result.disagreements.empty() ? tool::success : tool::answer_is_no;
+  return result.disagreements.empty();
 }
 
 }  // namespace
 }  // namespace encage::replay
 
 int main(int argc, char** argv) {
-  CLI::App app("Replays recorded poses through collision engines: which pairs touch, and how long it takes.",
-               "encage-replay");
-  encage::replay::Arguments a;
-  encage::replay::define(app, a);
-  return encage::tool::run_program(app, argc, argv, [&] { return encage::replay::run(a); });
+  using namespace encage;
+  return bench::run_command(
+      bench::make_command<replay::ReplayArguments>(
+          "encage-replay",
+          "Replays recorded poses through collision engines: which pairs touch, and how long it takes.",
+          replay::examples, replay::define, replay::run),
+      argc, argv);
 }

@@ -29,7 +29,7 @@ CageHierarchy fine_only(const SourceMesh& source) {
 
 }  // namespace
 
-Body load_body(const std::filesystem::path& mesh, const std::filesystem::path& cages) {
+ReplayBody load_body(const std::filesystem::path& mesh, const std::filesystem::path& cages) {
   const SourceMesh source = [&] {
     const TriangleMesh read = triangulate(read_polygon_mesh(mesh));
     try {
@@ -38,7 +38,7 @@ Body load_body(const std::filesystem::path& mesh, const std::filesystem::path& c
       throw Error(mesh.string() + ": " + error.what());
     }
   }();
-  Body body;
+  ReplayBody body;
   body.mesh = source.obstacle;
   body.mesh.vertices.rowwise() += source.origin.transpose();
   const CageHierarchy hierarchy = cages.empty() ? fine_only(source) : read_asset(cages, Verify::all);

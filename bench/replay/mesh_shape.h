@@ -8,7 +8,7 @@
 namespace encage::replay {
 
 /// The mesh that all engines get, and Encage's shape of it.
-struct Body {
+struct ReplayBody {
   TriangleMesh mesh;  ///< body frame; with the caps, where the source was open
   ShapePtr shape;
   int levels = 0;      ///< cages
@@ -17,6 +17,6 @@ struct Body {
 
 /// Reads a mesh and, unless the path is empty, an asset with its cages and fine mesh. Throws Error, also if the asset
 /// was baked from another mesh.
-Body load_body(const std::filesystem::path& mesh, const std::filesystem::path& cages);
+ReplayBody load_body(const std::filesystem::path& mesh, const std::filesystem::path& cages);
 
 }  // namespace encage::replay

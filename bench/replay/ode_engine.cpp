@@ -53,14 +53,14 @@ class OdeEngine : public Engine {
       for (const dGeomID geom : present) dSpaceAdd(space_, geom);
       present_ = present;
     }
-    Query query{question, {}};
+    OdeQuery query{question, {}};
     dSpaceCollide(space_, &query, visit);
     std::sort(query.pairs.begin(), query.pairs.end());
     return std::move(query.pairs);
   }
 
  private:
-  struct Query {
+  struct OdeQuery {
     const StepQuestion& question;
     std::vector<BodyPair> pairs;
   };
@@ -79,7 +79,7 @@ class OdeEngine : public Engine {
   }
 
   static void visit(void* data, dGeomID a, dGeomID b) {
-    Query& query = *static_cast<Query*>(data);
+    OdeQuery& query = *static_cast<OdeQuery*>(data);
     const BodyPose& body_a = *static_cast<const BodyPose*>(dGeomGetData(a));
     const BodyPose& body_b = *static_cast<const BodyPose*>(dGeomGetData(b));
     if (query.question.skips(body_a, body_b)) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/replay.h"
 
-#include "bench/replay/step_times.h"
+#include "bench/common/step_times.h"
 
 #include <algorithm>
 #include <set>
@@ -17,7 +17,7 @@ struct Contestant {
   Engine* engine;
   std::string front;  // empty: alone
   const Gate* gate;   // not for `perfect`, whose gate knows one step
-  StepTimes times;
+  bench::StepTimes times;
   std::vector<std::vector<BodyPair>> answers{};  // per step
 
   std::string name() const { return front.empty() ? engine->name() : engine->name() + "+" + front; }
@@ -26,7 +26,7 @@ struct Contestant {
 std::vector<Contestant> contestants_of(Engine& engine, const Question& question) {
   std::vector<Contestant> list;
   const auto enter = [&](const std::string& front, const Gate* gate) {
-    list.push_back({&engine, front, gate, StepTimes(question.steps.size())});
+    list.push_back({&engine, front, gate, bench::StepTimes(question.steps.size())});
     list.back().answers.resize(question.steps.size());
   };
   enter("", nullptr);
@@ -123,7 +123,7 @@ Replay replay(const std::vector<std::unique_ptr<Engine>>& engines, const Questio
   const double questions = static_cast<double>(contestants * question.steps.size()) * question.runs;
 
   for (const std::unique_ptr<Engine>& engine : engines) warm_up(*engine, question.steps);
-  in_turns(question.runs, question.steps.size(), [&](std::size_t first, std::size_t last) {
+  bench::in_turns(question.runs, question.steps.size(), [&](std::size_t first, std::size_t last) {
     for (std::vector<Contestant>& group : field) {
       for (Contestant& contestant : group) {
         for (std::size_t i = first; i < last; ++i) {

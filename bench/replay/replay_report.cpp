@@ -1,39 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/replay/replay_report.h"
 
+#include "bench/common/report.h"
+#include "bench/common/statistics.h"
+
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 namespace encage::replay {
 namespace {
 
-double ratio(double a, double b) { return b > 0 ? a / b : 0; }
-
-std::string number(double value, const char* format) {
-  char text[32];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
-std::string milliseconds(double value) { return number(value, "%.3f"); }
-std::string times(double value) { return number(value, "%.2f"); }
-
-void print_row(std::ostream& out, const std::vector<std::string>& cells) {
-  out << '|';
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    const std::size_t width = k == 0 ? 16 : 12;
-    const std::string space(width > cells[k].size() ? width - cells[k].size() : 0, ' ');
-    out << ' ' << (k == 0 ? cells[k] + space : space + cells[k]) << " |";
-  }
-  out << '\n';
-}
-
-void print_rule(std::ostream& out, std::size_t columns) {
-  out << "|------------------|";
-  for (std::size_t k = 1; k < columns; ++k) out << "-------------:|";
-  out << '\n';
-}
+std::string milliseconds(double value) { return bench::format("%.3f", value); }
+std::string times(double value) { return bench::format("%.2f", value); }
 
 const Answer* find(const EngineResult& engine, const std::string& front) {
   const auto at = std::find_if(engine.behind.begin(), engine.behind.end(),
@@ -70,7 +49,7 @@ nlohmann::ordered_json to_json(const Continuous& c) {
   return {{"steps", c.steps},
           {"ms_per_step", c.ms_per_step},
           {"discrete_ms_per_step", c.discrete_ms_per_step},
-          {"ratio", ratio(c.ms_per_step, c.discrete_ms_per_step)},
+          {"ratio", bench::ratio(c.ms_per_step, c.discrete_ms_per_step)},
           {"pairs_left_out", c.left_out},
           {"pairs_asked", c.asked},
           {"pairs_not_separated", c.survivors},
@@ -80,7 +59,7 @@ nlohmann::ordered_json to_json(const Continuous& c) {
 void print_continuous(std::ostream& out, const Continuous& c) {
   out << "\nContinuous, Encage, " << c.steps << " steps: " << milliseconds(c.ms_per_step)
       << " ms/step with narrow phase, " << milliseconds(c.discrete_ms_per_step) << " discrete, ratio "
-      << times(ratio(c.ms_per_step, c.discrete_ms_per_step)) << "; " << c.asked << " pairs, " << c.survivors
+      << times(bench::ratio(c.ms_per_step, c.discrete_ms_per_step)) << "; " << c.asked << " pairs, " << c.survivors
       << " not proven separated, " << c.contacts << " contacts; left out, as they touch at the start: " << c.left_out
       << " pairs\n";
 }
@@ -94,10 +73,10 @@ nlohmann::ordered_json to_json(const Replay& replay, const std::optional<Continu
     json["engines"][engine.name] = to_json(engine.alone);
     for (const Answer& answer : engine.behind) {
       nlohmann::ordered_json& entry = json["with_" + answer.front][engine.name] = to_json(answer);
-      entry["speedup"] = ratio(engine.alone.ms_per_step, answer.ms_per_step);
+      entry["speedup"] = bench::ratio(engine.alone.ms_per_step, answer.ms_per_step);
     }
     json["perfect"][engine.name] = {{"ms_per_step", engine.perfect_ms},
-                                    {"speedup", ratio(engine.alone.ms_per_step, engine.perfect_ms)}};
+                                    {"speedup", bench::ratio(engine.alone.ms_per_step, engine.perfect_ms)}};
   }
   if (continuous) json["continuous"] = to_json(*continuous);
   json["disagreements"] = replay.disagreements.size();
@@ -114,22 +93,21 @@ void print(std::ostream& out, const Replay& replay, const std::optional<Continuo
   std::vector<std::string> head = {"engine", "ms/step", "/ Encage"};
   for (const std::string& front : fronts) head.insert(head.end(), {"with " + front, "gain"});
   head.insert(head.end(), {"perfect", "bound", "touching", "missed", "spurious"});
-  print_row(out, head);
-  print_rule(out, head.size());
+  bench::MarkdownTable table(out, head, 16, 12);
   const double reference = encage_ms(replay);
   for (const EngineResult& engine : replay.engines) {
     const double alone = engine.alone.ms_per_step;
     std::vector<std::string> row = {engine.name, milliseconds(alone),
-                                    reference > 0 ? times(ratio(alone, reference)) : "-"};
+                                    reference > 0 ? times(bench::ratio(alone, reference)) : "-"};
     for (const std::string& front : fronts) {
       const Answer* answer = find(engine, front);
       row.push_back(answer ? milliseconds(answer->ms_per_step) : "-");
-      row.push_back(answer ? times(ratio(alone, answer->ms_per_step)) : "-");
+      row.push_back(answer ? times(bench::ratio(alone, answer->ms_per_step)) : "-");
     }
-    row.insert(row.end(), {milliseconds(engine.perfect_ms), times(ratio(alone, engine.perfect_ms)),
+    row.insert(row.end(), {milliseconds(engine.perfect_ms), times(bench::ratio(alone, engine.perfect_ms)),
                            std::to_string(engine.alone.touching), std::to_string(engine.alone.missed),
                            std::to_string(engine.alone.spurious)});
-    print_row(out, row);
+    table.row(row);
   }
   out << "\nTruly touching: " << replay.touching << " pairs; left out: " << replay.left_out
       << " pairs; pairs about which somebody is wrong: " << replay.disagreements.size() << '\n';

@@ -35,7 +35,7 @@ Faults& Faults::operator+=(const Faults& other) {
   return *this;
 }
 
-std::vector<Faults> compare(const RecordedStep& step, const std::vector<const Detection*>& answers,
+std::vector<Faults> compare(const bench::RecordedStep& step, const std::vector<const Detection*>& answers,
                             const Judge& judge) {
   std::set<Numbers> pairs;
   for (const Detection* answer : answers) {

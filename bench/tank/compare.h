@@ -11,7 +11,7 @@
 namespace encage::tank {
 
 /// When the features of a contact that was reported really touch; no value: never in this step.
-using Judge = std::function<std::optional<double>(const RecordedStep& step, const BodyContact& contact)>;
+using Judge = std::function<std::optional<double>(const bench::RecordedStep& step, const BodyContact& contact)>;
 
 /// A reported time may lie this much before the real one: a span of the narrow phase's bisection, and rounding.
 inline constexpr double time_tolerance = 0x1p-21;
@@ -27,6 +27,7 @@ struct Faults {
 
 /// Compares what several strategies answered about the same step. The judge is asked about every contact that one of
 /// them reports; the earliest real one of a pair is what the others are held against.
-std::vector<Faults> compare(const RecordedStep& step, const std::vector<const Detection*>& answers, const Judge& judge);
+std::vector<Faults> compare(const bench::RecordedStep& step, const std::vector<const Detection*>& answers,
+                            const Judge& judge);
 
 }  // namespace encage::tank

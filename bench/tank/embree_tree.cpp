@@ -115,7 +115,7 @@ void EmbreeTree::build(const Sweep& sweep) {
   root_ = Callbacks::to_ref(root);
 }
 
-struct EmbreeTree::Traversal {
+struct EmbreeTree::TreeTraversal {
   const EmbreeTree& a;
   const EmbreeTree& b;
   std::vector<TrianglePair>& pairs;
@@ -189,7 +189,7 @@ struct EmbreeTree::Traversal {
 
 void EmbreeTree::overlaps(const EmbreeTree& a, const EmbreeTree& b, std::vector<TrianglePair>& pairs) {
   if (a.input_.empty() || b.input_.empty()) return;
-  Traversal{a, b, pairs}.run();
+  TreeTraversal{a, b, pairs}.run();
 }
 
 }  // namespace encage::tank

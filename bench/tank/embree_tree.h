@@ -13,9 +13,8 @@
 
 namespace encage::tank {
 
-/// A tree of axis-aligned boxes over the swept triangles of one step, built by the
-/// fastest builder at hand, Embree's rtcBuildBVH, in the calling thread only. Our own nodes and
-/// traversal: Embree hands the tree out through callbacks.
+/// A tree of axis-aligned boxes over the swept triangles of one step, built by the fastest builder at hand, Embree's
+/// rtcBuildBVH, in the calling thread only. Our own nodes and traversal: Embree hands the tree out through callbacks.
 class EmbreeTree {
  public:
   /// `low` (Morton codes) builds fastest; `medium` (binned surface-area heuristic) makes better trees.
@@ -45,15 +44,15 @@ class EmbreeTree {
     std::int32_t first, count;  ///< in primitives_
   };
   struct Callbacks;
-  struct Release {
+  struct ReleaseTree {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
     void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
   };
-  struct Traversal;
+  struct TreeTraversal;
 
   RTCBuildQuality quality_;
-  std::unique_ptr<RTCDeviceTy, Release> device_;
-  std::unique_ptr<RTCBVHTy, Release> bvh_;
+  std::unique_ptr<RTCDeviceTy, ReleaseTree> device_;
+  std::unique_ptr<RTCBVHTy, ReleaseTree> bvh_;
   std::vector<Box> vertices_;
   std::vector<RTCBuildPrimitive> input_;
   std::vector<RTCBuildPrimitive> primitives_;  ///< leaf after leaf

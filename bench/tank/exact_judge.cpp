@@ -9,9 +9,9 @@
 namespace encage::tank {
 namespace {
 
-const Motion& motion_of(const RecordedStep& step, std::int32_t number) {
+const Motion& motion_of(const bench::RecordedStep& step, std::int32_t number) {
   const auto at = std::lower_bound(step.bodies.begin(), step.bodies.end(), number,
-                                   [](const RecordedBody& body, std::int32_t n) { return body.body < n; });
+                                   [](const bench::RecordedBody& body, std::int32_t n) { return body.body < n; });
   return at->motion;
 }
 
@@ -27,7 +27,7 @@ int corners_of_a(ContactKind kind) {
 }  // namespace
 
 Judge exact_judge(const TankBody& body, const ContactOptions& options) {
-  return [&body, options](const RecordedStep& step, const BodyContact& reported) -> std::optional<double> {
+  return [&body, options](const bench::RecordedStep& step, const BodyContact& reported) -> std::optional<double> {
     const Contact& contact = reported.contact;
     const Sweep a = make_sweep(body.mesh, motion_of(step, reported.body_a), 0);
     const Sweep b = make_sweep(body.mesh, motion_of(step, reported.body_b), 0);

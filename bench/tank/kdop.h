@@ -10,8 +10,8 @@
 
 namespace encage::tank {
 
-/// Discrete oriented polytope of 26 planes: the normals of a cube's faces, edges and
-/// corners, 13 pairs of opposite ones. Rounded outward to float.
+/// Discrete oriented polytope of 26 planes: the normals of a cube's faces, edges and corners, 13 pairs of opposite
+/// ones. Rounded outward to float.
 struct Kdop {
   static constexpr int pairs = 13;
 

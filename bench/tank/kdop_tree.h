@@ -11,12 +11,10 @@
 
 namespace encage::tank {
 
-/// The paper's bounding volume hierarchy (section 4, collision detection): a binary
-/// tree of 26-DOPs over the swept triangles of one step, for candidates of the
-/// continuous narrow phase. The paper does not say how it is built; this is the
-/// classical fast way: top-down, a node is split at the mean of its
-/// triangles' centres along the longest side of their box, and the
-/// volumes are merged from the leaves up. One thread.
+/// The paper's bounding volume hierarchy (section 4, collision detection): a binary tree of 26-DOPs over the swept
+/// triangles of one step, for candidates of the continuous narrow phase. The paper does not say how it is built; this
+/// is the classical fast way: top-down, a node is split at the mean of its triangles' centres along the longest side of
+/// their box, and the volumes are merged from the leaves up. One thread.
 class KdopTree {
  public:
   static constexpr int leaf_size = 4;  ///< triangles in a leaf, at most

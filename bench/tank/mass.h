@@ -16,8 +16,8 @@ struct MassProperties {
   double radius = 0;                                   ///< largest distance of a vertex from the centre
 };
 
-/// Exact integrals over the signed tetrahedra that the triangles span with a common point, summed
-/// in index order. Throws Error if the mesh is not closed, not finite, or encloses no positive volume.
+/// Exact integrals over the signed tetrahedra that the triangles span with a common point, summed in index order.
+/// Throws Error if the mesh is not closed, not finite, or encloses no positive volume.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
 }  // namespace encage::tank

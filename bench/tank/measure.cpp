@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/measure.h"
 
-#include "bench/tank/cpu_clock.h"
+#include "bench/common/clock.h"
+#include "bench/common/statistics.h"
 
 #include <algorithm>
 #include <array>
@@ -11,14 +12,6 @@
 namespace encage::tank {
 namespace {
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double ratio(double a, double b) { return b > 0 ? a / b : 0; }
-
 std::int64_t touching_bodies(const Detection& detection) {
   std::set<std::int32_t> bodies;
   for (const BodyContact& contact : detection.contacts) bodies.insert({contact.body_a, contact.body_b});
@@ -26,7 +19,7 @@ std::int64_t touching_bodies(const Detection& detection) {
 }
 
 /// A strategy, what it answered and what it took.
-struct Contestant {
+struct StrategyRun {
   Strategy strategy;
   std::vector<std::int64_t> steps;   ///< those it was asked about, increasing
   std::vector<Detection> answers;    ///< as `steps`
@@ -35,11 +28,11 @@ struct Contestant {
 
 class Meter {
  public:
-  Meter(const TankBody& body, const Recording& recording, const MeasureOptions& options)
+  Meter(const TankBody& body, const bench::Recording& recording, const MeasureOptions& options)
       : body_(body), steps_(recording.steps), options_(options) {
     const auto count = static_cast<std::int64_t>(steps_.size());
-    all_ = evenly_spread(count, count);
-    sample_ = evenly_spread(count, options.rebuild_steps);
+    all_ = bench::evenly_spread(count, count);
+    sample_ = bench::evenly_spread(count, options.rebuild_steps);
   }
 
   Measurement run() {
@@ -67,7 +60,7 @@ class Meter {
 
  private:
   void leave_out(Measurement& result) {
-    for (const RecordedStep& step : steps_) {
+    for (const bench::RecordedStep& step : steps_) {
       left_out_.push_back(pairs_in_contact_at_start(body_, step));
       result.left_out += static_cast<std::int64_t>(left_out_.back().size());
       report(left_out_.size(), steps_.size(), "pairs in contact at the start of a step");
@@ -81,7 +74,7 @@ class Meter {
     times.fill(std::vector<std::vector<double>>(all_.size()));
     for (int r = 0; r < options_.runs; ++r) {
       for (std::size_t s = 0; s < prebuilt_count; ++s) {
-        Contestant& contestant = contestants_[prebuilt_ + s];
+        StrategyRun& contestant = contestants_[prebuilt_ + s];
         contestant.answers.resize(all_.size());
         for (std::size_t i = 0; i < all_.size(); ++i) {
           times[s][i].push_back(time(contestant.strategy, all_[i], contestant.answers[i]));
@@ -90,7 +83,8 @@ class Meter {
       }
     }
     for (std::size_t s = 0; s < prebuilt_count; ++s) {
-      for (std::vector<double>& runs : times[s]) contestants_[prebuilt_ + s].milliseconds.push_back(median(runs));
+      for (std::vector<double>& runs : times[s])
+        contestants_[prebuilt_ + s].milliseconds.push_back(bench::median(runs));
     }
   }
 
@@ -100,7 +94,7 @@ class Meter {
     std::size_t done = 0;
     for (const std::int64_t i : sample_) {
       for (std::size_t s = 0; s < prebuilt_; ++s) {
-        Contestant& contestant = contestants_[s];
+        StrategyRun& contestant = contestants_[s];
         contestant.milliseconds.push_back(time(contestant.strategy, i, contestant.answers.emplace_back()));
         report(++done, total, "rebuilt trees");
       }
@@ -120,7 +114,7 @@ class Meter {
 
   void summarize(Measurement& result) const {
     for (std::size_t s = 0; s < contestants_.size(); ++s) {
-      const Contestant& contestant = contestants_[s];
+      const StrategyRun& contestant = contestants_[s];
       StrategyResult& r = result.strategies.emplace_back();
       r.name = contestant.strategy.name();
       r.rebuilds = s < prebuilt_;
@@ -159,9 +153,7 @@ class Meter {
 
   // Milliseconds.
   double time(Strategy& strategy, std::int64_t i, Detection& answer) const {
-    const double start = thread_cpu_seconds();
-    answer = strategy.detect(steps_[i], left_out_[i]);
-    return 1e3 * (thread_cpu_seconds() - start);
+    return bench::cpu_milliseconds([&] { answer = strategy.detect(steps_[i], left_out_[i]); });
   }
 
   void report(std::size_t done, std::size_t total, std::string_view what) const {
@@ -169,13 +161,13 @@ class Meter {
   }
 
   const TankBody& body_;
-  const std::vector<RecordedStep>& steps_;
+  const std::vector<bench::RecordedStep>& steps_;
   const MeasureOptions& options_;
   std::vector<std::int64_t> all_, sample_;  // indices of steps_
-  std::vector<std::vector<BodyPair>> left_out_;
+  std::vector<std::vector<IndexPair>> left_out_;
   static constexpr std::size_t prebuilt_count = 3;
-  std::vector<Contestant> contestants_;  // without and with cages in turn; the last ones need no rebuilding
-  std::size_t prebuilt_ = 0;             // the first of these
+  std::vector<StrategyRun> contestants_;  // without and with cages in turn; the last ones need no rebuilding
+  std::size_t prebuilt_ = 0;              // the first of these
 };
 
 }  // namespace
@@ -188,12 +180,12 @@ const StrategyResult& Measurement::strategy(const std::string& name) const {
 }
 
 double Measurement::speedup(const std::string& slow, const std::string& fast) const {
-  return sampled_steps > 0 ? ratio(strategy(slow).sampled_ms, strategy(fast).sampled_ms) : 0;
+  return sampled_steps > 0 ? bench::ratio(strategy(slow).sampled_ms, strategy(fast).sampled_ms) : 0;
 }
 
 double Measurement::speedup_count() const {
-  return ratio(static_cast<double>(strategy("prebuilt").bodies),
-               static_cast<double>(strategy("prebuilt+cages").bodies));
+  return bench::ratio(static_cast<double>(strategy("prebuilt").bodies),
+                      static_cast<double>(strategy("prebuilt+cages").bodies));
 }
 
 Faults Measurement::faults() const {
@@ -202,23 +194,16 @@ Faults Measurement::faults() const {
   return sum;
 }
 
-Measurement measure(const TankBody& body, const Recording& recording, const MeasureOptions& options) {
+Measurement measure(const TankBody& body, const bench::Recording& recording, const MeasureOptions& options) {
   return Meter(body, recording, options).run();
 }
 
-std::vector<std::int64_t> evenly_spread(std::int64_t total, std::int64_t count) {
-  count = std::min(total, count);
-  std::vector<std::int64_t> numbers;
-  for (std::int64_t i = 0; i < count; ++i) numbers.push_back((2 * i + 1) * total / (2 * count));
-  return numbers;
-}
-
-std::vector<BodyPair> pairs_in_contact_at_start(const TankBody& body, const RecordedStep& step) {
+std::vector<IndexPair> pairs_in_contact_at_start(const TankBody& body, const bench::RecordedStep& step) {
   PairOptions options;
   options.cages = CageUse::never;
   const auto count = static_cast<std::int32_t>(step.bodies.size());
-  std::vector<BodyPair> pairs;
-  for (BodyPair pair; pair.a < count; ++pair.a) {
+  std::vector<IndexPair> pairs;
+  for (IndexPair pair; pair.a < count; ++pair.a) {
     for (pair.b = pair.a + 1; pair.b < count; ++pair.b) {
       const Motion a = Motion::resting(step.bodies[pair.a].motion.start);
       const Motion b = Motion::resting(step.bodies[pair.b].motion.start);

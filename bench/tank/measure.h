@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/common/recording.h"
 #include "bench/tank/compare.h"
-#include "bench/tank/recording.h"
 #include "bench/tank/strategy.h"
 
 #include <cstdint>
@@ -15,12 +15,12 @@ namespace encage::tank {
 
 struct MeasureOptions {
   StrategyOptions strategy;
-  /// Steps on which the rebuild strategies are timed, evenly spread: one of them takes about
-  /// a second, with half a million triangles and eighteen bodies. 0: they are not run.
+  /// Steps on which the rebuild strategies are timed, evenly spread: one of them takes about a second, with half a
+  /// million triangles and eighteen bodies. 0: they are not run.
   std::int64_t rebuild_steps = 40;
   int runs = 3;  ///< of the prebuilt strategies over all steps; each step counts with its median time
   /// By default every contact is taken to happen when it was reported: a strategy that lacks it has missed it.
-  Judge judge = [](const RecordedStep&, const BodyContact& c) { return std::optional(c.contact.time); };
+  Judge judge = [](const bench::RecordedStep&, const BodyContact& c) { return std::optional(c.contact.time); };
   /// Called a few times a second from the calling thread.
   std::function<void(double fraction, std::string_view what)> progress = [](double, std::string_view) {};
 };
@@ -56,12 +56,9 @@ struct Measurement {
 };
 
 /// Asks all strategies about the recorded steps. One thread.
-Measurement measure(const TankBody& body, const Recording& recording, const MeasureOptions& options);
-
-/// `count` of the numbers 0 .. total - 1, as evenly spread as possible; all if there are not more.
-std::vector<std::int64_t> evenly_spread(std::int64_t total, std::int64_t count);
+Measurement measure(const TankBody& body, const bench::Recording& recording, const MeasureOptions& options);
 
 /// Pairs of the step whose fine meshes are not proven apart where the step begins.
-std::vector<BodyPair> pairs_in_contact_at_start(const TankBody& body, const RecordedStep& step);
+std::vector<IndexPair> pairs_in_contact_at_start(const TankBody& body, const bench::RecordedStep& step);
 
 }  // namespace encage::tank

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/measurement_report.h"
 
+#include "bench/common/report.h"
+
 #include <array>
-#include <cstdio>
-#include <vector>
 
 namespace encage::tank {
 namespace {
@@ -48,21 +48,15 @@ Json to_json(const StrategyResult& r, std::int64_t steps) {
           {"spurious", r.faults.spurious}};
 }
 
-std::string format(const char* pattern, auto... values) {
-  std::array<char, 256> line;
-  std::snprintf(line.data(), line.size(), pattern, values...);
-  return line.data();
-}
-
 std::string table(const Measurement& m) {
-  std::string text = format("%-21s %11s %7s %9s %7s %7s %9s %7s\n", "strategy (one thread)", "ms/step", "steps",
-                            "rebuilt", "boxes", "cages", "touching", "wrong");
+  std::string text = bench::format("%-21s %11s %7s %9s %7s %7s %9s %7s\n", "strategy (one thread)", "ms/step", "steps",
+                                   "rebuilt", "boxes", "cages", "touching", "wrong");
   for (const StrategyResult& r : m.strategies) {
     const auto mean = [&](std::int64_t sum) { return per_step(sum, r.steps_timed); };
-    text += format("%-21s %11.3f %7lld %9.3f %7.3f %7.3f %9.4f %7lld\n", r.name.c_str(), r.ms_per_step,
-                   static_cast<long long>(r.steps_timed), r.rebuilds ? per_step(r.bodies, m.steps) : 0,
-                   mean(r.counts.boxes), mean(r.counts.cages), mean(r.counts.touching),
-                   static_cast<long long>(r.faults.missed + r.faults.spurious));
+    text += bench::format("%-21s %11.3f %7lld %9.3f %7.3f %7.3f %9.4f %7lld\n", r.name.c_str(), r.ms_per_step,
+                          static_cast<long long>(r.steps_timed), r.rebuilds ? per_step(r.bodies, m.steps) : 0,
+                          mean(r.counts.boxes), mean(r.counts.cages), mean(r.counts.touching),
+                          static_cast<long long>(r.faults.missed + r.faults.spurious));
   }
   return text +
          "rebuilt: bodies whose tree is built, mean over all steps; boxes, cages, touching: pairs left after\n"
@@ -91,17 +85,18 @@ Json to_json(const Measurement& m) {
 std::string to_text(const Measurement& m) {
   std::string text = table(m) + '\n';
   if (m.sampled_steps > 0) {
-    text += format("speed-ups, on the same %lld steps:\n", static_cast<long long>(m.sampled_steps));
+    text += bench::format("speed-ups, on the same %lld steps:\n", static_cast<long long>(m.sampled_steps));
     for (const Speedup& s : speedups) {
-      text += format("%10.3f  %s / %s: %s\n", m.speedup(s.slow, s.fast), s.slow, s.fast, s.meaning);
+      text += bench::format("%10.3f  %s / %s: %s\n", m.speedup(s.slow, s.fast), s.slow, s.fast, s.meaning);
     }
   }
-  text += format("%10.3f  bodies rebuilt without / with cages, over all %lld steps: %.3f / %.3f; an oracle: %.3f\n",
-                 m.speedup_count(), static_cast<long long>(m.steps), per_step(m.strategy("prebuilt").bodies, m.steps),
-                 per_step(m.strategy("prebuilt+cages").bodies, m.steps), per_step(m.oracle_bodies, m.steps));
+  text += bench::format(
+      "%10.3f  bodies rebuilt without / with cages, over all %lld steps: %.3f / %.3f; an oracle: %.3f\n",
+      m.speedup_count(), static_cast<long long>(m.steps), per_step(m.strategy("prebuilt").bodies, m.steps),
+      per_step(m.strategy("prebuilt+cages").bodies, m.steps), per_step(m.oracle_bodies, m.steps));
   if (m.left_out > 0) {
-    text += format("left out: %lld times a pair that is not proven apart where a step begins\n",
-                   static_cast<long long>(m.left_out));
+    text += bench::format("left out: %lld times a pair that is not proven apart where a step begins\n",
+                          static_cast<long long>(m.left_out));
   }
   return text;
 }

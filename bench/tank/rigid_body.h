@@ -24,10 +24,10 @@ Eigen::Isometry3d pose(const MassProperties& mass, const BodyState& state);
 /// The rotation nearest to a matrix that is one up to small errors e; what is left is of order e^2.
 Eigen::Matrix3d orthonormalised(const Eigen::Matrix3d& rotation);
 
-/// One step of free flight. The centre follows its parabola exactly. The rotation is the product of five turns
-/// about principal axes (symmetric splitting; Hairer, Lubich and Wanner, "Geometric numerical integration",
-/// section VII.5), each by a Cayley transform: second order, time-reversible, no drift of the energy; the
-/// angular momentum does not change.
+/// One step of free flight. The centre follows its parabola exactly. The rotation is the product of five turns about
+/// principal axes (symmetric splitting; Hairer, Lubich and Wanner, "Geometric numerical integration", section VII.5),
+/// each by a Cayley transform: second order, time-reversible, no drift of the energy; the angular momentum does not
+/// change.
 BodyState free_flight(const MassProperties& mass, const BodyState& state, const Eigen::Vector3d& gravity, double dt);
 
 Eigen::Vector3d angular_velocity(const MassProperties& mass, const BodyState& state);

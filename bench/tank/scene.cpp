@@ -34,23 +34,23 @@ Eigen::Matrix3d matrix(double w, double x, double y, double z) {
 
 }  // namespace
 
-const char* name(Scene scene) noexcept {
+const char* name(TankScene scene) noexcept {
   switch (scene) {
-    case Scene::drop: return "drop";
-    case Scene::bouncing: return "bouncing";
-    case Scene::resting: return "resting";
+    case TankScene::drop: return "drop";
+    case TankScene::bouncing: return "bouncing";
+    case TankScene::resting: return "resting";
   }
   return "?";
 }
 
-Scene scene_named(const std::string& text) {
-  for (const Scene scene : {Scene::drop, Scene::bouncing, Scene::resting}) {
+TankScene scene_named(const std::string& text) {
+  for (const TankScene scene : {TankScene::drop, TankScene::bouncing, TankScene::resting}) {
     if (text == name(scene)) return scene;
   }
   throw Error("simulation: scene '" + text + "': there are drop, bouncing and resting");
 }
 
-void validate(const SceneOptions& o, const MassProperties& mass) {
+void validate(const TankOptions& o, const MassProperties& mass) {
   if (o.bodies < 1 || o.bodies > 10'000) refuse("bodies", std::to_string(o.bodies) + ": must be 1 to 10000");
   require(o.dt > 0 && o.dt <= 0.1, "dt", o.dt, "must be above 0 and at most 0.1 seconds");
   require(o.seconds >= o.dt && o.seconds <= 1e5, "seconds", o.seconds, "must be from one time step to 1e5");
@@ -66,7 +66,7 @@ void validate(const SceneOptions& o, const MassProperties& mass) {
           "must be above the body's radius, and at most 1e6 of them");
 }
 
-double half_width(const SceneOptions& options, const MassProperties& mass) noexcept {
+double half_width(const TankOptions& options, const MassProperties& mass) noexcept {
   return options.half_width.value_or(width_in_radii * mass.radius);
 }
 
@@ -77,7 +77,7 @@ std::vector<HalfSpace> tank_walls(double half_width) {
   return walls;
 }
 
-Entries::Entries(const SceneOptions& options, const MassProperties& mass)
+Entries::Entries(const TankOptions& options, const MassProperties& mass)
     : options_(options), mass_(mass), bits_(options.seed) {}
 
 double Entries::uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
@@ -97,12 +97,12 @@ BodyState Entries::next(double top) {
 
 std::int64_t Entries::entry_step(int body) const { return std::llround(body * options_.drop_interval / options_.dt); }
 
-double velocity_factor(const SceneOptions& options, const MassProperties& mass, double mean_kinetic, double seconds) {
-  if (options.scene == Scene::drop || !(mean_kinetic > 0)) return 1;
-  const double height = options.scene == Scene::bouncing ? options.floor_height : options.rest_height;
+double velocity_factor(const TankOptions& options, const MassProperties& mass, double mean_kinetic, double seconds) {
+  if (options.scene == TankScene::drop || !(mean_kinetic > 0)) return 1;
+  const double height = options.scene == TankScene::bouncing ? options.floor_height : options.rest_height;
   const double wanted = std::sqrt(mass.mass * options.gravity * height * mass.radius / mean_kinetic);
   const double feed = 1 + feed_per_second * options.dt;
-  if (options.scene == Scene::bouncing) return std::clamp(wanted, 1.0, feed);
+  if (options.scene == TankScene::bouncing) return std::clamp(wanted, 1.0, feed);
   const double share = std::min(seconds / seconds_to_full_drain, 1.0);
   return std::clamp(wanted, std::max(1 - drain_per_second * share * options.dt, 0.0), feed);
 }

@@ -12,7 +12,7 @@ namespace {
 
 class Run {
  public:
-  Run(const Detector& detector, const MassProperties& mass, const SceneOptions& options)
+  Run(const Detector& detector, const MassProperties& mass, const TankOptions& options)
       : detector_(detector),
         mass_(mass),
         options_(options),
@@ -32,7 +32,7 @@ class Run {
     s.most_passes = std::max(s.most_passes, s.filter.passes - before.passes);
     s.most_held = std::max(s.most_held, s.filter.held - before.held);
     s.body_steps += static_cast<std::int64_t>(bodies_.size());
-    RecordedStep recorded{number, {}};
+    bench::RecordedStep recorded{number, {}};
     for (std::size_t i = 0; i < trials.size(); ++i)
       recorded.bodies.push_back({static_cast<std::int32_t>(i), trials[i]});
     result_.recording.steps.push_back(std::move(recorded));
@@ -50,7 +50,7 @@ class Run {
   }
 
  private:
-  static FilterOptions filter_options(const SceneOptions& options) {
+  static FilterOptions filter_options(const TankOptions& options) {
     FilterOptions filter;
     filter.dt = options.dt;
     filter.gravity = {0, 0, -options.gravity};
@@ -104,7 +104,7 @@ class Run {
 
   const Detector& detector_;
   const MassProperties& mass_;
-  const SceneOptions& options_;
+  const TankOptions& options_;
   Entries entries_;
   VelocityFilter filter_;
   std::vector<BodyState> bodies_;
@@ -114,13 +114,13 @@ class Run {
 
 }  // namespace
 
-Simulation simulate(const ShapePtr& shape, const MassProperties& mass, const SceneOptions& options,
-                    const Context& context) {
+Simulation simulate(const ShapePtr& shape, const MassProperties& mass, const TankOptions& options,
+                    const SimulationContext& context) {
   return simulate(ShapeDetector(shape, mass.centre), mass, options, context);
 }
 
-Simulation simulate(const Detector& detector, const MassProperties& mass, const SceneOptions& options,
-                    const Context& context) {
+Simulation simulate(const Detector& detector, const MassProperties& mass, const TankOptions& options,
+                    const SimulationContext& context) {
   validate(options, mass);
   const std::int64_t steps = std::llround(options.seconds / options.dt);
   Run run(detector, mass, options);

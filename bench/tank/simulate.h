@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bench/tank/recording.h"
+#include "bench/common/recording.h"
 #include "bench/tank/scene.h"
 #include "bench/tank/velocity_filter.h"
 
@@ -35,13 +35,13 @@ struct Statistics {
 
 struct Simulation {
   /// Per step the start poses and the first trial end poses.
-  Recording recording;
+  bench::Recording recording;
   std::vector<PoseStep> poses;  ///< as committed: poses[s] is where recording.steps[s] begins; one more at the end
   Statistics statistics;
   Hash trajectory_hash;  ///< of the committed poses, in order
 };
 
-struct Context {
+struct SimulationContext {
   /// Called after every step, from the calling thread; fraction in (0,1].
   std::function<void(double fraction)> progress;
   std::atomic<bool>* cancel = nullptr;  ///< may be set from any thread; noticed after the step
@@ -50,11 +50,11 @@ struct Context {
 /// Simulates the scene; one thread, the same bits every time, on every machine, with the same compiler flags. Bodies
 /// never interpenetrate: a step is committed for a body only if its motion is proven free, the true arc included.
 /// Throws Error (bad options, a shape without fine mesh) or Cancelled.
-Simulation simulate(const ShapePtr& shape, const MassProperties& mass, const SceneOptions& options,
-                    const Context& context = {});
+Simulation simulate(const ShapePtr& shape, const MassProperties& mass, const TankOptions& options,
+                    const SimulationContext& context = {});
 
 /// The same with other means of detection.
-Simulation simulate(const Detector& detector, const MassProperties& mass, const SceneOptions& options,
-                    const Context& context = {});
+Simulation simulate(const Detector& detector, const MassProperties& mass, const TankOptions& options,
+                    const SimulationContext& context = {});
 
 }  // namespace encage::tank

@@ -18,7 +18,7 @@ class RebuildingFinder : public ContactFinder {
  public:
   RebuildingFinder(const TankBody& body, const ContactOptions& options) : body_(body), options_(options) {}
 
-  std::vector<std::optional<Contact>> find(const RecordedStep& step, const Survivors& survivors) override {
+  std::vector<std::optional<Contact>> find(const bench::RecordedStep& step, const Survivors& survivors) override {
     if (trees_.size() < step.bodies.size()) trees_.resize(step.bodies.size());
     const double distance = options_.margin + options_.arc;
     for (std::size_t k = 0; k < survivors.bodies.size(); ++k) {
@@ -30,7 +30,7 @@ class RebuildingFinder : public ContactFinder {
       return trees_[at - survivors.bodies.begin()];
     };
     std::vector<std::optional<Contact>> contacts;
-    for (const BodyPair& pair : survivors.pairs) {
+    for (const IndexPair& pair : survivors.pairs) {
       candidates_.clear();
       Tree::overlaps(tree_of(pair.a), tree_of(pair.b), candidates_);
       PairContact narrow(*body_.shape, step.bodies[pair.a].motion, *body_.shape, step.bodies[pair.b].motion, options_);
@@ -51,9 +51,9 @@ class PrebuiltFinder : public ContactFinder {
  public:
   PrebuiltFinder(const TankBody& body, const ContactOptions& options) : body_(body), options_(options) {}
 
-  std::vector<std::optional<Contact>> find(const RecordedStep& step, const Survivors& survivors) override {
+  std::vector<std::optional<Contact>> find(const bench::RecordedStep& step, const Survivors& survivors) override {
     std::vector<std::optional<Contact>> contacts;
-    for (const BodyPair& pair : survivors.pairs) {
+    for (const IndexPair& pair : survivors.pairs) {
       contacts.push_back(
           first_contact(*body_.shape, step.bodies[pair.a].motion, *body_.shape, step.bodies[pair.b].motion, options_));
     }
@@ -100,11 +100,11 @@ PairFilter::PairFilter(const TankBody& body, bool cages, const StrategyOptions& 
   cage_options_.fine = false;
 }
 
-Survivors PairFilter::run(const RecordedStep& step, const std::vector<BodyPair>& left_out) const {
+Survivors PairFilter::run(const bench::RecordedStep& step, const std::vector<IndexPair>& left_out) const {
   const auto count = static_cast<std::int32_t>(step.bodies.size());
   std::vector<Eigen::AlignedBox3d> boxes;
   std::vector<double> slack;
-  for (const RecordedBody& body : step.bodies) {
+  for (const bench::RecordedBody& body : step.bodies) {
     slack.push_back(body_.mesh.slack(body.motion, distance_));
     const Eigen::AlignedBox3d box = world_box(*body_.shape, body.motion);
     boxes.emplace_back(box.min().array() - slack.back(), box.max().array() + slack.back());
@@ -112,7 +112,7 @@ Survivors PairFilter::run(const RecordedStep& step, const std::vector<BodyPair>&
   Survivors survivors;
   std::vector<bool> survives(step.bodies.size());
   PairOptions cage_options = cage_options_;
-  for (BodyPair pair; pair.a < count; ++pair.a) {
+  for (IndexPair pair; pair.a < count; ++pair.a) {
     for (pair.b = pair.a + 1; pair.b < count; ++pair.b) {
       if (std::binary_search(left_out.begin(), left_out.end(), pair)) continue;
       ++survivors.counts.pairs;
@@ -136,13 +136,13 @@ Survivors PairFilter::run(const RecordedStep& step, const std::vector<BodyPair>&
   return survivors;
 }
 
-Detection Strategy::detect(const RecordedStep& step, const std::vector<BodyPair>& left_out) {
+Detection Strategy::detect(const bench::RecordedStep& step, const std::vector<IndexPair>& left_out) {
   const Survivors survivors = filter_.run(step, left_out);
   const std::vector<std::optional<Contact>> contacts = finder_->find(step, survivors);
   Detection detection{survivors.counts, static_cast<std::int64_t>(survivors.bodies.size()), {}};
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (!contacts[i]) continue;
-    const BodyPair pair = survivors.pairs[i];
+    const IndexPair pair = survivors.pairs[i];
     detection.contacts.push_back({step.bodies[pair.a].body, step.bodies[pair.b].body, *contacts[i]});
   }
   detection.counts.touching = static_cast<std::int64_t>(detection.contacts.size());

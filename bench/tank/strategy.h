@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bench/tank/recording.h"
+#include "bench/common/recording.h"
 #include "bench/tank/sweep.h"
 
 #include <encage/contact.h>
@@ -25,9 +25,9 @@ struct TankBody {
 TankBody make_tank_body(CageHierarchy hierarchy);
 
 /// Indices of two bodies of a step, a < b; hence also by increasing body number.
-struct BodyPair {
+struct IndexPair {
   std::int32_t a = 0, b = 0;
-  friend auto operator<=>(const BodyPair&, const BodyPair&) = default;
+  friend auto operator<=>(const IndexPair&, const IndexPair&) = default;
 };
 
 struct StrategyOptions {
@@ -49,20 +49,20 @@ struct StageCounts {
 /// What the body-pair stages leave for the triangles.
 struct Survivors {
   StageCounts counts;
-  std::vector<BodyPair> pairs;  ///< sorted
+  std::vector<IndexPair> pairs;  ///< sorted
   /// Bodies of `pairs`, each once: those whose trees must be rebuilt where trees are rebuilt.
   std::vector<std::int32_t> bodies;
 };
 
-/// The stages on pairs of bodies: overlapping world boxes of the motions, then, if asked, cages.
-/// A pair that is rejected cannot have a contact by StrategyOptions::contact.
+/// The stages on pairs of bodies: overlapping world boxes of the motions, then, if asked, cages. A pair that is
+/// rejected cannot have a contact by StrategyOptions::contact.
 class PairFilter {
  public:
   /// `body` has to outlive this.
   PairFilter(const TankBody& body, bool cages, const StrategyOptions& options);
 
   /// `left_out` is sorted; its pairs are not asked at all.
-  Survivors run(const RecordedStep& step, const std::vector<BodyPair>& left_out = {}) const;
+  Survivors run(const bench::RecordedStep& step, const std::vector<IndexPair>& left_out = {}) const;
 
  private:
   const TankBody& body_;
@@ -76,7 +76,7 @@ class ContactFinder {
  public:
   virtual ~ContactFinder() = default;
   /// One entry a pair, in their order.
-  virtual std::vector<std::optional<Contact>> find(const RecordedStep& step, const Survivors& survivors) = 0;
+  virtual std::vector<std::optional<Contact>> find(const bench::RecordedStep& step, const Survivors& survivors) = 0;
 };
 
 struct BodyContact {
@@ -98,7 +98,7 @@ class Strategy {
 
   const std::string& name() const { return name_; }
   const PairFilter& filter() const { return filter_; }
-  Detection detect(const RecordedStep& step, const std::vector<BodyPair>& left_out = {});
+  Detection detect(const bench::RecordedStep& step, const std::vector<IndexPair>& left_out = {});
 
  private:
   std::string name_;

@@ -14,14 +14,14 @@ struct BodyMesh {
   Eigen::Vector3d origin;  ///< body frame = origin + local frame
   double radius = 0;       ///< no vertex is farther from the local origin
 
-  /// By how much bounding volumes have to be larger than what they bound if those of two triangles that
-  /// come closer than `distance`, as the narrow phase computes it, have to overlap: half of it, and
-  /// 2^-40 of the coordinates' size (rounding here stays below 2^-48 of it, and the narrow phase adds 2^-46).
+  /// By how much bounding volumes have to be larger than what they bound if those of two triangles that come closer
+  /// than `distance`, as the narrow phase computes it, have to overlap: half of it, and 2^-40 of the coordinates' size
+  /// (rounding here stays below 2^-48 of it, and the narrow phase adds 2^-46).
   double slack(const Motion& motion, double distance) const;
 };
 
-/// A mesh during one step: every vertex on the straight line between two places
-/// in the world. What the trees that are rebuilt in every step are built over.
+/// A mesh during one step: every vertex on the straight line between two positions in the world. What the trees that
+/// are rebuilt in every step are built over.
 struct Sweep {
   const TriangleMesh* mesh = nullptr;  ///< not owned
   Eigen::Isometry3d start, end;        ///< frame of the mesh to the world

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/velocity_filter.h"
 
-#include "bench/tank/cpu_clock.h"
+#include "bench/common/clock.h"
 
 #include <algorithm>
 #include <cassert>
@@ -12,8 +12,8 @@
 namespace encage::tank {
 namespace {
 
-// Relative speed, in units a second, to which impulses separate what would come closer during the
-// step: large against rounding, far below anything that matters.
+// Relative speed, in units a second, to which impulses separate what would come closer during the step: large against
+// rounding, far below anything that matters.
 constexpr double separating_speed = 1e-7;
 
 Eigen::Vector3d material_point(const Motion& motion, double time, const Eigen::Vector3d& point) {
@@ -39,7 +39,7 @@ VelocityFilter::VelocityFilter(const Detector& detector, const MassProperties& m
 
 void VelocityFilter::step(std::vector<BodyState>& bodies, FilterReport& report, std::vector<Motion>* trials) {
   {
-    const CpuTimer timer(report.cpu.integration);
+    const bench::CpuTimer timer(report.cpu.integration);
     begin(bodies);
   }
   if (trials) {
@@ -108,7 +108,7 @@ void VelocityFilter::detect(FilterReport& report) {
     if (trials_[i].changed && !is_usable(trials_[i].motion)) hold(static_cast<int>(i), report);
   }
   {
-    const CpuTimer timer(report.cpu.boxes);
+    const bench::CpuTimer timer(report.cpu.boxes);
     for (Trial& trial : trials_) {
       if (trial.changed) bound(trial);
     }
@@ -125,7 +125,7 @@ void VelocityFilter::detect(FilterReport& report) {
 }
 
 void VelocityFilter::detect_walls(FilterReport& report) {
-  const CpuTimer timer(report.cpu.walls);
+  const bench::CpuTimer timer(report.cpu.walls);
   const int bodies = static_cast<int>(trials_.size());
   for (int i = 0; i < bodies; ++i) {
     const Trial& trial = trials_[i];
@@ -140,7 +140,7 @@ void VelocityFilter::detect_walls(FilterReport& report) {
 }
 
 void VelocityFilter::detect_pairs(FilterReport& report) {
-  const CpuTimer timer(report.cpu.pairs);
+  const bench::CpuTimer timer(report.cpu.pairs);
   const int bodies = static_cast<int>(trials_.size());
   for (int i = 0; i < bodies; ++i) {
     for (int j = i + 1; j < bodies; ++j) {
@@ -164,7 +164,7 @@ void VelocityFilter::add(int a, int b, const Contact& contact) {
 
 /// Sweeps over the step's conflicts, there and back, until none asks for an impulse.
 void VelocityFilter::resolve(FilterReport& report) {
-  const CpuTimer timer(report.cpu.integration);
+  const bench::CpuTimer timer(report.cpu.integration);
   bool any = true;
   for (int sweep = 0; any && sweep < options_.most_sweeps; ++sweep) {
     any = false;
@@ -173,8 +173,8 @@ void VelocityFilter::resolve(FilterReport& report) {
   }
 }
 
-/// One impulse along the normal that reverses the approach, and in any case ends it for this step:
-/// the mean velocity over the step knows of gravity and of the rotation's curvature.
+/// One impulse along the normal that reverses the approach, and in any case ends it for this step: the mean velocity
+/// over the step knows of gravity and of the rotation's curvature.
 bool VelocityFilter::apply(const Conflict& conflict, FilterReport& report) {
   const bool wall = is_wall(conflict);
   Trial& a = trials_[conflict.a];

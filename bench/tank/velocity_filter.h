@@ -36,11 +36,10 @@ struct FilterReport {
   CpuSeconds cpu;
 };
 
-/// Steps copies of one body such that they never interpenetrate: velocity filter, then freeze. Trial motions
-/// all start from the poses at hand. Where two collide, impulses change the velocities and the trials
-/// are made again, a few times; what still collides then stays where it is for this step. A motion
-/// is committed only if it is proven free, the rigid arc included; as the poses at the start of the step are
-/// free of intersection, so are those at its end.
+/// Steps copies of one body such that they never interpenetrate: velocity filter, then freeze. Trial motions all start
+/// from the poses at hand. Where two collide, impulses change the velocities and the trials are made again, a few
+/// times; what still collides then stays where it is for this step. A motion is committed only if it is proven free,
+/// the rigid arc included; as the poses at the start of the step are free of intersection, so are those at its end.
 class VelocityFilter {
  public:
   /// The detector must outlive this.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/baselines.h"
 
-#include "bench/tank/cpu_clock.h"
+#include "bench/common/clock.h"
 #include "bench/zoo/intersections.h"
 #include "bench/zoo/plain_methods.h"
 #include "cagegen/collapse/starts.h"
@@ -27,14 +27,14 @@ CertifyResult proof_of(const SourceMesh& source, const TriangleMesh& cage) {
 BaselineResult judged(const char* name, const SourceMesh& source, const std::function<TriangleMesh()>& make) {
   BaselineResult result;
   result.name = name;
-  const double start = tank::thread_cpu_seconds();
+  const double start = bench::thread_cpu_seconds();
   TriangleMesh cage;
   try {
     cage = make();
-    result.cpu_seconds = tank::thread_cpu_seconds() - start;
+    result.cpu_seconds = bench::thread_cpu_seconds() - start;
     round_vertices(cage);  // as an asset stores it
   } catch (const std::exception& error) {
-    result.cpu_seconds = tank::thread_cpu_seconds() - start;
+    result.cpu_seconds = bench::thread_cpu_seconds() - start;
     result.error = error.what();
     return result;
   }
@@ -112,15 +112,15 @@ BaselineResult offset_contour(const SourceMesh& source, std::int64_t faces) {
   });
 }
 
-std::span<const Baseline> baselines() {
-  static constexpr std::array<Baseline, 3> all = {
+std::span<const PlainMethod> baselines() {
+  static constexpr std::array<PlainMethod, 3> all = {
       {{"alpha wrap", single_alpha_wrap}, {"progressive hull", progressive_hull}, {"offset contour", offset_contour}}};
   return all;
 }
 
 std::vector<BaselineResult> run_baselines(const SourceMesh& source, std::int64_t faces) {
   std::vector<BaselineResult> results;
-  for (const Baseline& baseline : baselines()) results.push_back(baseline.run(source, faces));
+  for (const PlainMethod& baseline : baselines()) results.push_back(baseline.run(source, faces));
   return results;
 }
 

@@ -27,21 +27,21 @@ struct BaselineResult {
 /// CGAL's alpha wrap with the smallest alpha that gives at most `faces` triangles; the offset is alpha / 12.
 BaselineResult single_alpha_wrap(const SourceMesh& source, std::int64_t faces);
 
-/// Sander et al. 2000, "Silhouette clipping", section 3: edges collapse to the place outside of all planes around
-/// them that adds the least volume. Nothing else is tested. Needs a closed manifold.
+/// Sander et al. 2000, "Silhouette clipping", section 3: edges collapse to the point outside of all planes around them
+/// that adds the least volume. Nothing else is tested. Needs a closed manifold.
 BaselineResult progressive_hull(const SourceMesh& source, std::int64_t faces);
 
 /// Contours of the distance from the source, decimated by edge collapse (Lindstrom and Turk) and freed of
 /// self-intersection: the one at the smallest distance that holds. If none does, the last one that was tried.
 BaselineResult offset_contour(const SourceMesh& source, std::int64_t faces);
 
-struct Baseline {
+struct PlainMethod {
   const char* name;  ///< as BaselineResult::name
   BaselineResult (*run)(const SourceMesh& source, std::int64_t faces);
 };
 
 /// The three above, in this order.
-std::span<const Baseline> baselines();
+std::span<const PlainMethod> baselines();
 
 /// All of them. One thread; no exception but for a lack of memory.
 std::vector<BaselineResult> run_baselines(const SourceMesh& source, std::int64_t faces);

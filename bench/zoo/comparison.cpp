@@ -12,19 +12,19 @@ namespace encage::zoo {
 using Json = nlohmann::ordered_json;
 
 std::string comparison_head(const std::vector<std::int64_t>& faces) {
-  std::string line = text("%-36s %-16s %8s", "file", "method", "CPU s");
-  for (const std::int64_t target : faces) line += text("  %8lld", static_cast<long long>(target));
+  std::string line = format("%-36s %-16s %8s", "file", "method", "CPU s");
+  for (const std::int64_t target : faces) line += format("  %8lld", static_cast<long long>(target));
   return line + "  certified   (per level: volume ratio - 1)\n";
 }
 
 std::string comparison_line(const std::string& contender, const Model& model, const std::vector<std::int64_t>& faces) {
   if (model.outcome == Model::Outcome::skipped) return {};
-  std::string line = text("%-36s %-16s", model.file.filename().c_str(), contender.c_str());
+  std::string line = format("%-36s %-16s", model.file.filename().c_str(), contender.c_str());
   if (model.outcome != Model::Outcome::baked) return line + " " + reason(model) + "\n";
-  line += text(" %8.2f", model.cpu_seconds());
+  line += format(" %8.2f", model.cpu_seconds());
   for (std::size_t target = 0; target < faces.size(); ++target) {
     const std::optional<double> ratio = volume_ratio(level_for(model, faces, target));
-    line += text("  %8s", ratio ? text("%.4f", *ratio - 1).c_str() : "-");
+    line += format("  %8s", ratio ? format("%.4f", *ratio - 1).c_str() : "-");
   }
   return line + "  " + yes(model.certified()) + "\n";
 }

@@ -33,8 +33,8 @@ nlohmann::ordered_json comparison_json(const std::vector<Contender>& contenders,
 /// What is known of the file, whoever found out: of the first contender that baked it, or else of the first.
 const Model& witness(const std::vector<Contender>& contenders, std::size_t file);
 
-/// A document: a summary, a row for each mesh with the methods, one with the baselines beside the first method, and
-/// the reasons of those that failed.
+/// A document: a summary, a row for each mesh with the methods, one with the baselines beside the first method, and the
+/// reasons of those that failed.
 std::string comparison_markdown(const std::vector<Contender>& contenders, const std::vector<std::int64_t>& faces,
                                 const std::string& command);
 

@@ -15,8 +15,8 @@ using Contenders = std::vector<Contender>;
 
 namespace {
 
-std::string number(const std::optional<double>& value, const char* format) {
-  return value ? text(format, *value) : "–";
+std::string number(const std::optional<double>& value, const char* pattern) {
+  return value ? format(pattern, *value) : "–";
 }
 
 bool certified(const Json& level) { return !level.is_null() && level.at("certified").get<bool>(); }
@@ -25,10 +25,10 @@ bool certified(const Json& level) { return !level.is_null() && level.at("certifi
 std::string excess_cell(const Json& level) {
   if (level.is_null()) return "–";
   const std::optional<double> ratio = volume_ratio(level);
-  if (certified(level)) return ratio ? text("%.4f", *ratio - 1) : "–";
+  if (certified(level)) return ratio ? format("%.4f", *ratio - 1) : "–";
   if (level.value("faces", std::int64_t{0}) == 0) return "none";
   return number(ratio ? std::optional(*ratio - 1) : std::nullopt, "%.4f") +
-         text(" (%lld+%lld)", level.value("hits", 0LL), level.value("self_hits", 0LL));
+         format(" (%lld+%lld)", level.value("hits", 0LL), level.value("self_hits", 0LL));
 }
 
 /// All levels of a model in one cell.
@@ -53,7 +53,7 @@ std::string head(std::string columns, std::string rule, const std::vector<std::s
 std::string levels_text(const Faces& faces) {
   std::string out;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    out += (i > 0 ? " / " : "") + text("%lld", static_cast<long long>(faces[i]));
+    out += (i > 0 ? " / " : "") + format("%lld", static_cast<long long>(faces[i]));
   }
   return out;
 }
@@ -61,7 +61,7 @@ std::string levels_text(const Faces& faces) {
 std::string method_summary(const Contenders& contenders, const Faces& faces) {
   std::vector<std::string> columns = {"certified", "CPU s, median"};
   for (const std::int64_t target : faces) {
-    columns.push_back(text("excess at %lld, median (meshes)", static_cast<long long>(target)));
+    columns.push_back(format("excess at %lld, median (meshes)", static_cast<long long>(target)));
   }
   std::string out = head("| method |", "|---|", columns);
   for (const Contender& contender : contenders) {
@@ -69,10 +69,11 @@ std::string method_summary(const Contenders& contenders, const Faces& faces) {
     const Summary summary = summarize(contender.models, faces);
     out +=
         "| " + escaped(contender.name) +
-        text(" | %lld of %lld |", static_cast<long long>(summary.certified), static_cast<long long>(summary.meshes)) +
+        format(" | %lld of %lld |", static_cast<long long>(summary.certified), static_cast<long long>(summary.meshes)) +
         " " + number(summary.median_cpu_seconds, "%.2f") + " |";
     for (const LevelSummary& level : summary.levels) {
-      out += " " + number(level.median_excess_volume, "%.4f") + text(" (%lld) |", static_cast<long long>(level.models));
+      out +=
+          " " + number(level.median_excess_volume, "%.4f") + format(" (%lld) |", static_cast<long long>(level.models));
     }
     out += "\n";
   }
@@ -102,8 +103,8 @@ std::string baseline_line(const Contender& first, const Contender& baseline, con
     first_excess.push_back(*ours - 1);
   }
   return "| " + escaped(baseline.name) +
-         text(" | %lld | %lld | %lld | %lld | %lld | %lld | ", static_cast<long long>(faces[target]), tried, made, held,
-              touching, crossing) +
+         format(" | %lld | %lld | %lld | %lld | %lld | %lld | ", static_cast<long long>(faces[target]), tried, made,
+                held, touching, crossing) +
          number(median(std::move(excess)), "%.4f") + " | " + number(median(std::move(first_excess)), "%.4f") + " |\n";
 }
 
@@ -136,15 +137,15 @@ std::string method_row(const Contenders& contenders, std::size_t file, const Fac
   const Model& known = witness(contenders, file);
   const Json& source = known.figures.at("source");
   std::string out = "| " + escaped(known.file.filename().string()) +
-                    text(" | %lld | %s | %s |", source.at("faces").get<long long>(),
-                         source.at("solid").get_ref<const std::string&>().c_str(), yes(known.clean()));
+                    format(" | %lld | %s | %s |", source.at("faces").get<long long>(),
+                           source.at("solid").get_ref<const std::string&>().c_str(), yes(known.clean()));
   std::string seconds;
   for (const Contender& contender : contenders) {
     if (contender.baseline) continue;
     const Model& model = contender.models[file];
     out += " " + excess_cells(model, faces) + " |";
     if (!seconds.empty()) seconds += " / ";
-    seconds += model.outcome == Model::Outcome::baked ? text("%.2f", model.cpu_seconds()) : "–";
+    seconds += model.outcome == Model::Outcome::baked ? format("%.2f", model.cpu_seconds()) : "–";
   }
   return out + " " + seconds + " | " + escaped(who_certified(contenders, file)) + " |\n";
 }
@@ -216,7 +217,7 @@ std::string comparison_markdown(const Contenders& contenders, const Faces& faces
       " faces, each around the one before. *Excess*: volume ratio to the input, less 1, of clean meshes that have the "
       "level. *Clean*: a closed manifold without self-intersection. CPU seconds of the whole bake, reading included.";
   const long long refused = static_cast<long long>(summarize(contenders.front().models, faces).no_meshes);
-  if (refused > 0) out += text(" %lld files hold no usable mesh.", refused);
+  if (refused > 0) out += format(" %lld files hold no usable mesh.", refused);
   out += "\n";
   const bool baselines =
       std::any_of(contenders.begin(), contenders.end(), [](const Contender& c) { return c.baseline; });

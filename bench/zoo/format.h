@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bench/common/report.h"
 #include "bench/zoo/zoo.h"
 
 #include <nlohmann/json.hpp>
 
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,14 +14,11 @@ namespace encage::zoo {
 
 // What the reports have in common.
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
+using bench::escaped;
+using bench::format;
 
-std::optional<double> median(std::vector<double> values);
+/// No value of no values.
+std::optional<double> median(const std::vector<double>& values);
 
 /// Of a level's figures, which may be null; no value if the source is no solid.
 std::optional<double> volume_ratio(const nlohmann::ordered_json& level);
@@ -30,8 +27,5 @@ const char* yes(bool value);
 
 /// Why there are no cages. Messages begin with the file's path, which the tables have already.
 std::string reason(const Model& model);
-
-/// As a cell of a Markdown table.
-std::string escaped(std::string cell);
 
 }  // namespace encage::zoo

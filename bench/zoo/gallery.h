@@ -7,9 +7,8 @@
 
 namespace encage::zoo {
 
-/// Writes `prefix`-input.png, `prefix`-section.png (a cut through all levels
-/// across the shortest side of the bounds) and `prefix`-cage.png (the outermost
-/// cage around the input). The folder must exist. Throws Error.
+/// Writes `prefix`-input.png, `prefix`-section.png (a cut through all levels across the shortest side of the bounds)
+/// and `prefix`-cage.png (the outermost cage around the input). The folder must exist. Throws Error.
 void write_pictures(const std::filesystem::path& prefix, const SourceMesh& source, const CageHierarchy& hierarchy);
 
 }  // namespace encage::zoo

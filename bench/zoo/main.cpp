@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // encage-zoo: bakes many meshes and prints what came of each.
 
+#include "bench/common/command.h"
 #include "bench/zoo/comparison.h"
 #include "bench/zoo/report.h"
 #include "bench/zoo/zoo.h"
 #include "cagegen/cli/output_file.h"
-#include "cagegen/cli/program.h"
-#include "cagegen/tool/bake_options.h"
 #include "src/files/atomic_file.h"
 
 #include <encage/error.h>
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,7 +32,13 @@ constexpr const char* examples = R"(Examples:
 
 Exit status: 0 if every mesh got certified cages, from every method, 1 if not, 2 for bad usage.)";
 
-struct Arguments {
+const std::map<std::string, BakeMethod>& bake_methods() {
+  static const std::map<std::string, BakeMethod> methods = {
+      {"auto", BakeMethod::automatic}, {"flow", BakeMethod::flow}, {"collapse", BakeMethod::collapse}};
+  return methods;
+}
+
+struct ZooArguments {
   std::vector<std::filesystem::path> paths;
   std::vector<std::string> methods = {"auto"};
   bool baselines = false;
@@ -43,23 +48,25 @@ struct Arguments {
   std::filesystem::path gallery;
 };
 
-void define(CLI::App& app, Arguments& a) {
-  app.footer(examples);
-  app.add_option("paths", a.paths, "Folders (searched for meshes) and mesh files")->required()->type_name("DIR|FILE");
+void define(bench::CommandOptions& options, ZooArguments& a) {
   a.options.faces = {2000, 500, 100};
-  tool::add_faces(app, a.options)->capture_default_str();
-  app.add_option("--method", a.methods, "auto, flow or collapse; several, separated by commas, are set side by side")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(tool::method_names()).description(""))
-      ->capture_default_str()
-      ->type_name("NAME,...");
-  app.add_flag("--baselines", a.baselines,
+  std::vector<std::string> methods;
+  for (const auto& [name, method] : bake_methods()) methods.push_back(name);
+  options.add("paths", a.paths, "Folders (searched for meshes) and mesh files").required().type("DIR|FILE");
+  options.add("--faces", a.options.faces, "Triangles per level, fine to coarse, separated by commas")
+      .between(4, std::numeric_limits<std::int32_t>::max())
+      .shows_default()
+      .type("N,...");
+  options.add("--method", a.methods, "auto, flow or collapse; several, separated by commas, are set side by side")
+      .one_of(methods)
+      .shows_default()
+      .type("NAME,...");
+  options.flag("--baselines", a.baselines,
                "On clean meshes also a single alpha wrap, a progressive hull and an offset contour for each level");
-  tool::add_threads(app, a.options);
-  app.add_option("--json", a.json, "Write everything as JSON")->type_name("FILE");
-  app.add_option("--markdown", a.markdown, "Write the table as a Markdown document")->type_name("FILE");
-  app.add_option("--gallery", a.gallery, "Folder (made if missing) for pictures of each mesh")->type_name("DIR");
+  options.threads(a.options.threads, "Threads, 0 for all; the result does not depend on it");
+  options.json(a.json);
+  options.add("--markdown", a.markdown, "Write the table as a Markdown document").type("FILE");
+  options.add("--gallery", a.gallery, "Folder (made if missing) for pictures of each mesh").type("DIR");
 }
 
 /// The command as a reader would repeat it, for the document's heading.
@@ -70,22 +77,22 @@ std::string command_line(int argc, char** argv) {
 }
 
 /// Where a method's pictures go; several methods get a folder each.
-std::filesystem::path gallery(const Arguments& a, const std::string& method) {
+std::filesystem::path gallery(const ZooArguments& a, const std::string& method) {
   if (a.gallery.empty()) return {};
   const std::filesystem::path folder = a.methods.size() > 1 ? a.gallery / method : a.gallery;
   std::filesystem::create_directories(folder);
   return folder;
 }
 
-Model bake_by(const std::string& method, const std::filesystem::path& file, const Arguments& a) {
+Model bake_by(const std::string& method, const std::filesystem::path& file, const ZooArguments& a) {
   BakeOptions options = a.options;
-  options.method = tool::method_names().at(method);
+  options.method = bake_methods().at(method);
   return bake_model(file, options, gallery(a, method));
 }
 
 bool all_certified(const Summary& summary) { return summary.certified == summary.meshes; }
 
-bool run_one(const Arguments& a, const std::vector<std::filesystem::path>& files, const std::string& command) {
+bool run_one(const ZooArguments& a, const std::vector<std::filesystem::path>& files, const std::string& command) {
   const std::vector<std::int64_t>& faces = a.options.faces;
   std::cout << table_head(faces);
   std::vector<Model> models;
@@ -100,13 +107,13 @@ bool run_one(const Arguments& a, const std::vector<std::filesystem::path>& files
   return all_certified(summary);
 }
 
-bool run_several(const Arguments& a, const std::vector<std::filesystem::path>& files, const std::string& command) {
+bool run_several(const ZooArguments& a, const std::vector<std::filesystem::path>& files, const std::string& command) {
   const std::vector<std::int64_t>& faces = a.options.faces;
   std::cout << comparison_head(faces);
   std::vector<Contender> contenders;
   for (const std::string& method : a.methods) contenders.push_back({method, false, {}});
   if (a.baselines) {
-    for (const Baseline& baseline : baselines()) contenders.push_back({baseline.name, true, {}});
+    for (const PlainMethod& baseline : baselines()) contenders.push_back({baseline.name, true, {}});
   }
   for (std::size_t i = 0; i < files.size(); ++i) {
     for (std::size_t c = 0; c < contenders.size(); ++c) {
@@ -124,15 +131,11 @@ bool run_several(const Arguments& a, const std::vector<std::filesystem::path>& f
                      [&](const Contender& c) { return c.baseline || all_certified(summarize(c.models, faces)); });
 }
 
-int run(const Arguments& a, const std::string& command) {
-  for (const auto& file : {a.json, a.markdown}) {
-    if (!file.empty()) tool::check_output(file, {});
-  }
+bool run(const ZooArguments& a, const std::string& command) {
+  bench::check_outputs({a.json, a.markdown}, {});
   const std::vector<std::filesystem::path> files = mesh_files(a.paths);
   if (files.empty()) throw Error(a.paths.front().string() + ": holds no mesh files");
-  const bool certified =
-      a.methods.size() == 1 && !a.baselines ? run_one(a, files, command) : run_several(a, files, command);
-  return certified ? tool::success : tool::answer_is_no;
+  return a.methods.size() == 1 && !a.baselines ? run_one(a, files, command) : run_several(a, files, command);
 }
 
 }  // namespace
@@ -140,9 +143,11 @@ int run(const Arguments& a, const std::string& command) {
 }  // namespace encage::zoo
 
 int main(int argc, char** argv) {
-  CLI::App app("Bakes every mesh given and prints faces, tightness, certificate and CPU time.", "encage-zoo");
-  encage::zoo::Arguments a;
-  encage::zoo::define(app, a);
-  return encage::tool::run_program(app, argc, argv,
-                                   [&] { return encage::zoo::run(a, encage::zoo::command_line(argc, argv)); });
+  using namespace encage;
+  zoo::ZooArguments a;
+  const bench::Command command{"encage-zoo",
+                               "Bakes every mesh given and prints faces, tightness, certificate and CPU time.",
+                               zoo::examples, [&](bench::CommandOptions& options) { zoo::define(options, a); },
+                               [&] { return zoo::run(a, zoo::command_line(argc, argv)); }};
+  return bench::run_command(command, argc, argv);
 }

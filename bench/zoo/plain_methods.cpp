@@ -2,64 +2,20 @@
 #include "bench/zoo/plain_methods.h"
 
 #include "cagegen/collapse/starts.h"
-#include "cagegen/geometry/cgal_mesh.h"
-
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Side_of_triangle_mesh.h>
+#include "cagegen/flow/signed_distance.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <utility>
 #include <vector>
 
 namespace encage::zoo {
 
-namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Eigen::Vector3d;
 
-/// Distance from a mesh, and on which side of it.
-class Field {
- public:
-  Field(const TriangleMesh& mesh, bool closed) {
-    const auto point = [&](std::int64_t t, int k) {
-      const Vector3d p = mesh.corner(t, k);
-      return Kernel::Point_3(p.x(), p.y(), p.z());
-    };
-    for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
-      triangles_.emplace_back(point(t, 0), point(t, 1), point(t, 2));
-    }
-    tree_.rebuild(triangles_.begin(), triangles_.end());
-    tree_.accelerate_distance_queries();
-    if (!closed) return;
-    surface_ = makers::to_cgal<Kernel::Point_3>(mesh);
-    side_.emplace(surface_);
-  }
-
-  double distance(const Vector3d& p) const { return std::sqrt(tree_.squared_distance({p.x(), p.y(), p.z()})); }
-  bool inside(const Vector3d& p) const {
-    return side_ && (*side_)(Kernel::Point_3(p.x(), p.y(), p.z())) == CGAL::ON_BOUNDED_SIDE;
-  }
-
- private:
-  using Triangles = std::vector<Kernel::Triangle_3>;
-  using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-  Triangles triangles_;
-  CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>> tree_;
-  SurfaceMesh surface_;
-  std::optional<CGAL::Side_of_triangle_mesh<SurfaceMesh, Kernel>> side_;
-};
-
-}  // namespace
-
 DistanceGrid::DistanceGrid(const TriangleMesh& mesh, bool closed, int cells, double reach) {
-  const Field field(mesh, closed);
+  const makers::SignedDistance field(mesh);
   const Eigen::AlignedBox3d box = bounds(mesh);
   cell_ = (box.sizes().maxCoeff() + 2 * reach) / (cells - 2);
   low_ = box.min().array() - reach - cell_;
@@ -70,21 +26,21 @@ DistanceGrid::DistanceGrid(const TriangleMesh& mesh, bool closed, int cells, dou
   constexpr int block = 4;
   const double width = block * std::sqrt(3.0) * cell_;
   values_.resize(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2]);
-  const auto signed_distance = [&](const Node& n, std::optional<double> near) {
-    const Vector3d p = position(n);
-    const double distance = field.distance(p);
-    const bool inside = near && std::abs(*near) > width ? *near < 0 : field.inside(p);
-    return inside ? -distance : distance;
+  std::int32_t triangle = 0;  // the nearest one of the node before
+  const auto signed_distance = [&](const GridNode& n) {
+    const makers::Nearest nearest = field.nearest(position(n), triangle);
+    triangle = nearest.triangle;
+    return closed ? nearest.distance : std::abs(nearest.distance);
   };
-  for (Node first{0, 0, 0}; first.z < count_[2]; first.z += block) {
+  for (GridNode first{0, 0, 0}; first.z < count_[2]; first.z += block) {
     for (first.y = 0; first.y < count_[1]; first.y += block) {
       for (first.x = 0; first.x < count_[0]; first.x += block) {
-        const double near = signed_distance(first, std::nullopt);
-        for (Node n = first; n.z < std::min(first.z + block, count_[2]); ++n.z) {
+        const double near = signed_distance(first);
+        for (GridNode n = first; n.z < std::min(first.z + block, count_[2]); ++n.z) {
           for (n.y = first.y; n.y < std::min(first.y + block, count_[1]); ++n.y) {
             for (n.x = first.x; n.x < std::min(first.x + block, count_[0]); ++n.x) {
               const bool far = near > reach + width || near < -width - cell_;
-              values_[index(n)] = far ? near : signed_distance(n, near);
+              values_[index(n)] = far ? near : signed_distance(n);
             }
           }
         }
@@ -101,8 +57,10 @@ TriangleMesh DistanceGrid::contour(double distance) const {
     Vector3d place;
   };
   std::vector<Corner> corners;
-  const auto corner_of = [&](const Node& n, int i) { return Node{n.x + (i & 1), n.y + (i >> 1 & 1), n.z + (i >> 2)}; };
-  const auto cross = [&](Node a, Node b) {
+  const auto corner_of = [&](const GridNode& n, int i) {
+    return GridNode{n.x + (i & 1), n.y + (i >> 1 & 1), n.z + (i >> 2)};
+  };
+  const auto cross = [&](GridNode a, GridNode b) {
     if (index(b) < index(a)) std::swap(a, b);
     const double va = values_[index(a)] - distance;
     const double vb = values_[index(b)] - distance;
@@ -113,22 +71,22 @@ TriangleMesh DistanceGrid::contour(double distance) const {
     const bool turned = (b.place - a.place).cross(c.place - a.place).dot(outward) < 0;
     corners.insert(corners.end(), {a, turned ? c : b, turned ? b : c});
   };
-  const auto cut = [&](const std::array<Node, 4>& node) {
-    std::vector<Node> in;
-    std::vector<Node> out;
+  const auto cut = [&](const std::array<GridNode, 4>& node) {
+    std::vector<GridNode> in;
+    std::vector<GridNode> out;
     Vector3d outward = Vector3d::Zero();
-    for (const Node& n : node) (values_[index(n)] < distance ? in : out).push_back(n);
+    for (const GridNode& n : node) (values_[index(n)] < distance ? in : out).push_back(n);
     if (in.empty() || out.empty()) return;
-    for (const Node& n : in) outward -= position(n) / static_cast<double>(in.size());
-    for (const Node& n : out) outward += position(n) / static_cast<double>(out.size());
+    for (const GridNode& n : in) outward -= position(n) / static_cast<double>(in.size());
+    for (const GridNode& n : out) outward += position(n) / static_cast<double>(out.size());
     std::vector<Corner> c;
-    for (const Node& i : in) {
-      for (const Node& o : out) c.push_back(cross(i, o));
+    for (const GridNode& i : in) {
+      for (const GridNode& o : out) c.push_back(cross(i, o));
     }
     emit(c[0], c[1], c[2], outward);
     if (c.size() == 4) emit(c[1], c[3], c[2], outward);
   };
-  for (Node n{0, 0, 0}; n.z + 1 < count_[2]; ++n.z) {
+  for (GridNode n{0, 0, 0}; n.z + 1 < count_[2]; ++n.z) {
     for (n.y = 0; n.y + 1 < count_[1]; ++n.y) {
       for (n.x = 0; n.x + 1 < count_[0]; ++n.x) {
         for (const auto& middle : path) {

@@ -25,11 +25,11 @@ class DistanceGrid {
   double cell() const { return cell_; }
 
  private:
-  struct Node {
+  struct GridNode {
     int x, y, z;
   };
-  std::int64_t index(const Node& n) const { return (std::int64_t{n.z} * count_[1] + n.y) * count_[0] + n.x; }
-  Eigen::Vector3d position(const Node& n) const { return low_ + cell_ * Eigen::Vector3d(n.x, n.y, n.z); }
+  std::int64_t index(const GridNode& n) const { return (std::int64_t{n.z} * count_[1] + n.y) * count_[0] + n.x; }
+  Eigen::Vector3d position(const GridNode& n) const { return low_ + cell_ * Eigen::Vector3d(n.x, n.y, n.z); }
 
   Eigen::Vector3d low_;
   double cell_ = 0;

@@ -13,7 +13,7 @@ namespace {
 
 std::string ratio_text(const Json& level) {
   const std::optional<double> value = volume_ratio(level);
-  return value ? text("%.4f", *value) : "–";
+  return value ? format("%.4f", *value) : "–";
 }
 
 }  // namespace
@@ -47,38 +47,39 @@ Summary summarize(const std::vector<Model>& models, const std::vector<std::int64
 }
 
 std::string table_head(const std::vector<std::int64_t>& faces) {
-  std::string line = text("%-36s %8s %-12s %-5s %8s", "file", "faces", "solid", "clean", "CPU s");
-  for (const std::int64_t target : faces) line += text("  %6lld: ratio", static_cast<long long>(target));
+  std::string line = format("%-36s %8s %-12s %-5s %8s", "file", "faces", "solid", "clean", "CPU s");
+  for (const std::int64_t target : faces) line += format("  %6lld: ratio", static_cast<long long>(target));
   return line + "  certified\n";
 }
 
 std::string table_line(const Model& model, const std::vector<std::int64_t>& faces) {
-  std::string line = text("%-36s", model.file.filename().c_str());
+  std::string line = format("%-36s", model.file.filename().c_str());
   if (model.outcome != Model::Outcome::baked) return line + " " + reason(model) + "\n";
   const Json& source = model.figures.at("source");
-  line += text(" %8lld %-12s %-5s %8.2f", source.at("faces").get<long long>(),
-               source.at("solid").get_ref<const std::string&>().c_str(), yes(model.clean()), model.cpu_seconds());
+  line += format(" %8lld %-12s %-5s %8.2f", source.at("faces").get<long long>(),
+                 source.at("solid").get_ref<const std::string&>().c_str(), yes(model.clean()), model.cpu_seconds());
   for (std::size_t target = 0; target < faces.size(); ++target) {
     const Json level = level_for(model, faces, target);
     if (level.is_null()) {
-      line += text("  %13s", "-");
+      line += format("  %13s", "-");
     } else {
       const std::optional<double> value = volume_ratio(level);
-      line += text("  %6lld %6s", level.at("faces").get<long long>(), value ? text("%.3f", *value).c_str() : "-");
+      line += format("  %6lld %6s", level.at("faces").get<long long>(), value ? format("%.3f", *value).c_str() : "-");
     }
   }
   return line + "  " + yes(model.certified()) + "\n";
 }
 
 std::string to_text(const Summary& summary) {
-  std::string out = text("certified: %lld of %lld meshes", static_cast<long long>(summary.certified),
-                         static_cast<long long>(summary.meshes));
-  out += text("; %lld files hold no usable mesh\n", static_cast<long long>(summary.no_meshes));
-  if (summary.median_cpu_seconds) out += text("CPU seconds a mesh, median: %.2f\n", *summary.median_cpu_seconds);
+  std::string out = format("certified: %lld of %lld meshes", static_cast<long long>(summary.certified),
+                           static_cast<long long>(summary.meshes));
+  out += format("; %lld files hold no usable mesh\n", static_cast<long long>(summary.no_meshes));
+  if (summary.median_cpu_seconds) out += format("CPU seconds a mesh, median: %.2f\n", *summary.median_cpu_seconds);
   for (const LevelSummary& level : summary.levels) {
     if (!level.median_excess_volume) continue;
-    out += text("excess volume (ratio - 1) at %lld faces, median of %lld clean meshes: %.4f\n",
-                static_cast<long long>(level.faces), static_cast<long long>(level.models), *level.median_excess_volume);
+    out +=
+        format("excess volume (ratio - 1) at %lld faces, median of %lld clean meshes: %.4f\n",
+               static_cast<long long>(level.faces), static_cast<long long>(level.models), *level.median_excess_volume);
   }
   return out;
 }
@@ -121,7 +122,7 @@ std::string to_markdown(const std::vector<Model>& models, const Summary& summary
   out += "| file | faces | solid | clean | CPU s |";
   std::string rule = "|---|---:|---|---|---:|";
   for (const std::int64_t target : faces) {
-    out += text(" %lld: faces | ratio | start |", static_cast<long long>(target));
+    out += format(" %lld: faces | ratio | start |", static_cast<long long>(target));
     rule += "---:|---:|---|";
   }
   out += " certified |\n" + rule + "---|\n";
@@ -129,14 +130,14 @@ std::string to_markdown(const std::vector<Model>& models, const Summary& summary
     if (model.outcome != Model::Outcome::baked) continue;
     const Json& source = model.figures.at("source");
     out += "| " + escaped(model.file.filename().string()) +
-           text(" | %lld | %s | %s | %.2f |", source.at("faces").get<long long>(),
-                source.at("solid").get_ref<const std::string&>().c_str(), yes(model.clean()), model.cpu_seconds());
+           format(" | %lld | %s | %s | %.2f |", source.at("faces").get<long long>(),
+                  source.at("solid").get_ref<const std::string&>().c_str(), yes(model.clean()), model.cpu_seconds());
     for (std::size_t target = 0; target < faces.size(); ++target) {
       const Json level = level_for(model, faces, target);
       if (level.is_null()) {
         out += " – | – | – |";
       } else {
-        out += text(" %lld | ", level.at("faces").get<long long>()) + ratio_text(level) + " | " +
+        out += format(" %lld | ", level.at("faces").get<long long>()) + ratio_text(level) + " | " +
                escaped(level.at("start").get<std::string>()) + " |";
       }
     }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/zoo/zoo.h"
 
+#include "bench/common/clock.h"
 #include "bench/zoo/clean.h"
 #include "bench/zoo/gallery.h"
-#include "bench/zoo/isolated.h"
+#include "cagegen/cli/usage.h"
 #include "cagegen/tool/bake_mesh.h"
 
 #include <encage/error.h>
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <chrono>
 #include <string_view>
 #include <utility>
 
@@ -32,10 +32,10 @@ bool has_mesh_extension(const fs::path& file) {
 
 /// In the child. The outcome travels as JSON, so that the reader's refusals can be told from failures.
 Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path& gallery) {
-  const auto began = std::chrono::steady_clock::now();
+  const bench::Stopwatch watch;
   TriangleMesh mesh;
   try {
-    mesh = tool::read_mesh(file);
+    mesh = read_mesh(file);
   } catch (const Error& error) {
     return {{"no_mesh", error.what()}};
   }
@@ -43,7 +43,7 @@ Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path&
   // What follows is not part of a bake.
   const tool::Usage usage = tool::process_usage();
   Json figures = tool::to_json(baked);
-  figures["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  figures["seconds"] = 1e-3 * watch.milliseconds();
   figures["bake_seconds"] = baked.report.seconds;
   figures["cpu_seconds"] = usage.cpu_seconds;
   figures["peak_rss_bytes"] = usage.peak_rss_bytes;
@@ -53,8 +53,8 @@ Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path&
 }
 
 /// In the child.
-Json run_baseline_here(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
-  const SourceMesh source = sanitize(tool::read_mesh(known.file));
+Json run_baseline_here(const PlainMethod& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
+  const SourceMesh source = sanitize(read_mesh(known.file));
   const auto input_faces = known.figures.at("source").at("faces").get<std::int64_t>();
   Json levels = Json::array();
   double seconds = 0;
@@ -106,7 +106,7 @@ std::vector<fs::path> mesh_files(const std::vector<fs::path>& paths) {
 Model bake_model(const fs::path& file, const BakeOptions& options, const fs::path& gallery) {
   Model model;
   model.file = file;
-  const ChildResult child = run_isolated([&] { return bake_here(file, options, gallery).dump(); });
+  const bench::ChildResult child = bench::run_isolated([&] { return bake_here(file, options, gallery).dump(); });
   model.error = child.error;
   if (!child.error.empty()) return model;
   Json result = Json::parse(child.output);
@@ -120,7 +120,7 @@ Model bake_model(const fs::path& file, const BakeOptions& options, const fs::pat
   return model;
 }
 
-Model run_baseline(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
+Model run_baseline(const PlainMethod& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
   Model model;
   model.file = known.file;
   model.outcome = Model::Outcome::skipped;
@@ -128,7 +128,8 @@ Model run_baseline(const Baseline& baseline, const Model& known, const std::vect
   const auto input_faces = known.figures.at("source").at("faces").get<std::int64_t>();
   if (std::none_of(faces.begin(), faces.end(), [&](std::int64_t target) { return target < input_faces; })) return model;
 
-  const ChildResult child = run_isolated([&] { return run_baseline_here(baseline, known, faces).dump(); });
+  const bench::ChildResult child =
+      bench::run_isolated([&] { return run_baseline_here(baseline, known, faces).dump(); });
   model.outcome = child.error.empty() ? Model::Outcome::baked : Model::Outcome::failed;
   model.error = child.error;
   if (child.error.empty()) model.figures = Json::parse(child.output);

@@ -35,8 +35,8 @@ struct Model {
   double cpu_seconds() const { return figures.at("cpu_seconds").get<double>(); }
 };
 
-/// Mesh files by extension, those of a folder (recursively) sorted by name.
-/// Throws Error for a path that does not exist.
+/// Mesh files by extension, those of a folder (recursively) sorted by name. Throws Error for a path that does not
+/// exist.
 std::vector<std::filesystem::path> mesh_files(const std::vector<std::filesystem::path>& paths);
 
 /// Bakes one file in a child process; `gallery` (may be empty) is the folder for pictures.
@@ -45,10 +45,10 @@ Model bake_model(const std::filesystem::path& file, const BakeOptions& options, 
 /// One baseline on the mesh of a model that was baked, once for each of `faces` that is less than the mesh has, around
 /// the mesh itself. In a child process. Skipped if the mesh is not clean, or too small for all of `faces`. Per level:
 /// `hits`, `self_hits`, `cpu_seconds` and `error` of BaselineResult.
-Model run_baseline(const Baseline& baseline, const Model& known, const std::vector<std::int64_t>& faces);
+Model run_baseline(const PlainMethod& baseline, const Model& known, const std::vector<std::int64_t>& faces);
 
-/// The level that stands for a target of BakeOptions::faces, as its figures;
-/// null if that level was skipped because the input is small.
+/// The level that stands for a target of BakeOptions::faces, as its figures; null if that level was skipped because the
+/// input is small.
 nlohmann::ordered_json level_for(const Model& model, const std::vector<std::int64_t>& faces, std::size_t target);
 
 }  // namespace encage::zoo

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/contact/feature_pair.h"
 
+#include "src/limits.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -89,7 +91,7 @@ class Search {
       const int i = least_lane(s), j = least_lane(e);
       const double low = std::min(s[i], e[j]);
       const double bound = least * least * squared;
-      if (low > 0 && low * low > bound && bound > 1e-280) return true;
+      if (low > 0 && low * low > bound && bound > smallest_square) return true;
       const Vector worst = s[i] < e[j] ? corner(sweep_.start, i) : corner(sweep_.end, j);
       const Vector step = worst - axis;
       axis += std::min(1.0, (squared - low) / step.squaredNorm()) * step;
@@ -100,13 +102,13 @@ class Search {
   /// The last cell border up to which the axis proves freedom from `now` on, `now` if none.
   int free_until(const Vector& axis, int now) const {
     const double squared = axis.squaredNorm();
-    if (!(squared > 1e-280)) return now;
+    if (!(squared > smallest_square)) return now;
     const double length = std::sqrt(squared);
     const Line required = line(time(now));
     const Lanes slack = rounding(length, axis.cwiseAbs());
     const Lanes s = project(sweep_.start, axis), d = project(sweep_.end, axis) - s - length * required.slope;
     const Lanes least = length * required.value + slack;
-    if (!(least.minCoeff() > 1e-290 && sum(least) < infinity)) return now;
+    if (!(least.minCoeff() > smallest_product && sum(least) < infinity)) return now;
     const auto free_at = [&](int cell) { return (s + time(cell) * d - least).minCoeff() > 0; };
     if (!free_at(now)) return now;
     if (free_at(cells)) return cells;
@@ -148,13 +150,13 @@ class Search {
     const Vector first = closest_direction(p), last = closest_direction(q);
     const Vector middle = 2 * closest_direction(at(sweep_, (time(now) + time(end)) / 2)) - (first + last) / 2;
     const double squared = std::max({first.squaredNorm(), middle.squaredNorm(), last.squaredNorm()});
-    if (!(squared > 1e-280)) return false;
+    if (!(squared > smallest_square)) return false;
     const double length = std::sqrt(squared);
     const Line required = line((time(now) + time(end)) / 2);
     const double r0 = length * (required.value + time(now) * required.slope);
     const double r3 = length * (required.value + time(end) * required.slope);
     const Lanes slack = 2 * rounding(length, first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs()));
-    if (!(slack.minCoeff() > 1e-290 && sum(slack) < infinity)) return false;
+    if (!(slack.minCoeff() > smallest_product && sum(slack) < infinity)) return false;
     // Bernstein coefficients of the projections less the requirement.
     const Lanes b0 = project(p, first) - r0, b3 = project(q, last) - r3;
     const Lanes b1 = (project(q, first) + 2 * project(p, middle) - (2 * r0 + r3)) / 3;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "broadphase/motion/frame.h"
 #include "broadphase/motion/pair_motion.h"
 
 namespace encage {
@@ -17,13 +16,14 @@ struct RestingPair {
   double error = 0;
 
   /// At the start of the motions.
-  RestingPair(const Shape& shape_a, const Motion& motion_a, const Shape& shape_b, const Motion& motion_b) noexcept;
+  RestingPair(const LocalFrame& local_a, const Motion& motion_a, const LocalFrame& local_b,
+              const Motion& motion_b) noexcept;
 
   /// Covers the place of a vertex that is mapped from one local frame to the other.
   double located() const { return 2 * error; }
   /// b's local frame seen from a's, or the other way round; at the same size.
-  PairFrame b_to_a() const noexcept;
-  PairFrame a_to_b() const noexcept;
+  AffineMap b_to_a() const noexcept;
+  AffineMap a_to_b() const noexcept;
 };
 
 }  // namespace encage

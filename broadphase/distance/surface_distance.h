@@ -2,6 +2,7 @@
 #pragma once
 
 #include "broadphase/distance/resting_pair.h"
+#include "broadphase/shape/shape.h"
 
 #include <encage/separated.h>
 

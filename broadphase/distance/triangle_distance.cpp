@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/distance/triangle_distance.h"
 
+#include "src/limits.h"
 #include "src/mesh/segments.h"
 
 #include <Eigen/Geometry>
@@ -14,7 +15,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The nearest points found so far, and edges that the line between them should be normal to: zero if there is none.
@@ -35,12 +35,12 @@ struct Nearest {
 };
 
 void consider_edges(const TriangleD& a, const TriangleD& b, Nearest& nearest) {
-  const auto inside = [](double place) { return place > 0 && place < 1; };
+  const auto inside = [](double parameter) { return parameter > 0 && parameter < 1; };
   for (int i = 0; i < 3; ++i) {
     const Vector u = a[(i + 1) % 3] - a[i];
     for (int j = 0; j < 3; ++j) {
       const Vector v = b[(j + 1) % 3] - b[j];
-      const auto [s, t] = closest_places(u, v, a[i] - b[j]);
+      const auto [s, t] = closest_parameters(u, v, a[i] - b[j]);
       const Vector none = Vector::Zero();
       nearest.consider(a[i] + s * u, b[j] + t * v, inside(s) ? u : none, inside(t) ? v : none);
     }
@@ -95,7 +95,7 @@ void consider_face(const Face& face, const TriangleD& other, bool flip, Nearest&
 /// Distance of the projections on an axis; minus infinity where underflow or overflow could have entered.
 double gap_along(const Vector& n, const TriangleD& a, const TriangleD& b) {
   const double squared = n.squaredNorm();
-  if (!(squared > 1e-280 && squared < 1e280)) return -infinity;
+  if (!(squared > smallest_square && squared < 1 / smallest_square)) return -infinity;
   const double a0 = n.dot(a[0]), a1 = n.dot(a[1]), a2 = n.dot(a[2]);
   const double b0 = n.dot(b[0]), b1 = n.dot(b[1]), b2 = n.dot(b[2]);
   const double gap =
@@ -125,7 +125,7 @@ bool passes_through(const Vector& p, const Vector& q, const TriangleD& t, double
   for (const Vector& x : d) size = std::max(size, x.norm());
   // A determinant of three differences up to twice the size, each off by twice the error and rounding.
   const double moved = 2 * error + 8 * eps * size, largest = 2 * size + moved;
-  const double bound = 4 * moved * largest * largest + 1e-290;
+  const double bound = 4 * moved * largest * largest + smallest_product;
   const double above = determinant(t[1] - t[0], t[2] - t[0], p - t[0]);
   const double below = determinant(t[1] - t[0], t[2] - t[0], q - t[0]);
   if (!(std::min(std::abs(above), std::abs(below)) > bound) || (above > 0) == (below > 0)) return false;

@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
 
 #include "broadphase/separation/box_gate.h"
+#include "broadphase/separation/tree_boxes-inl.h"
 
 #include <hwy/highway.h>
 // clang-format on
@@ -41,49 +42,14 @@ constexpr PackingTable packing = [] {
 HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
+namespace {
 
-using Lanes = hn::CappedTag<float, MeshNode::width>;      // boxes of a node
-using Axes = hn::CappedTag<float, BoxGate::Side::lanes>;  // axes of a gate
+using Lanes = NodeLanes<float>;
+using Axes = hn::CappedTag<float, BoxGate::Side::lanes>;
 using Numbers = hn::RebindToUnsigned<Lanes>;
 using Vec = hn::Vec<Lanes>;
-
-/// A box of a tree and the slab in it, in places of its grid.
-struct Box {
-  float centre[3], half[3];
-  float normal[3];
-  float height, thickness;  ///< of the slab's middle, half of it
-
-  HWY_INLINE Box(const MeshNode& node, std::uint32_t lane) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto lower = static_cast<float>(node.lower[axis][lane]), upper = static_cast<float>(node.upper[axis][lane]);
-      centre[axis] = 0.5F * (lower + upper);
-      half[axis] = 0.5F * (upper - lower);
-      normal[axis] = static_cast<float>(node.normal[axis][lane]);
-    }
-    constexpr float half_unit = 0.5F * MeshNode::slab_unit;
-    const auto low = static_cast<float>(node.slab_lower[lane]), high = static_cast<float>(node.slab_upper[lane]);
-    height = half_unit * (low + high);
-    thickness = half_unit * (high - low);
-  }
-
-  /// Around all boxes of a node; without a slab.
-  static Box around(const MeshNode& node) {
-    Box box(node, 0);
-    for (int axis = 0; axis < 3; ++axis) {
-      std::int16_t lower = node.lower[axis][0], upper = node.upper[axis][0];
-      for (int lane = 1; lane < MeshNode::width; ++lane) {  // what is unused is empty
-        lower = std::min(lower, node.lower[axis][lane]);
-        upper = std::max(upper, node.upper[axis][lane]);
-      }
-      box.centre[axis] = 0.5F * (static_cast<float>(lower) + static_cast<float>(upper));
-      box.half[axis] = 0.5F * (static_cast<float>(upper) - static_cast<float>(lower));
-      box.normal[axis] = 0;
-    }
-    box.height = box.thickness = 0;
-    return box;
-  }
-};
+using Box = TreeBox<float>;
+using Boxes = TreeBoxes<float>;
 
 /// What a moving box covers of the axes during the interval, widened by the gap: a resting box beyond is apart.
 struct Swept {
@@ -143,63 +109,17 @@ HWY_INLINE SweptSlab sweep_slab(const BoxGate::Side& side, const Box& box) {
   return swept;
 }
 
-/// Of a normal, the inverse of its squared length, or nearly: what it is used for works with any number.
-constexpr float normal_weight = 1.0F / (MeshNode::normal_size * MeshNode::normal_size);
-
-/// Boxes of a node, as many as there are lanes.
-struct Boxes {
-  Vec sum[3], extent[3];  ///< of both ends
-  Vec normal[3];
-  Vec slab_lower, slab_upper;
-
-  static HWY_INLINE Vec widened(const std::int16_t* places) {
-    const Lanes d;
-    return hn::ConvertTo(
-        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int16_t, Lanes>(), places)));
-  }
-  static HWY_INLINE Vec widened(const std::int8_t* components) {
-    const Lanes d;
-    return hn::ConvertTo(
-        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int8_t, Lanes>(), components)));
-  }
-};
-
-HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
-  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
-}
-
-HWY_INLINE Vec dot(const Vec* a, const float* b) {
-  const Lanes d;
-  return hn::Add(hn::Add(hn::Mul(a[0], hn::Set(d, b[0])), hn::Mul(a[1], hn::Set(d, b[1]))),
-                 hn::Mul(a[2], hn::Set(d, b[2])));
-}
-
 /// Whether intervals [centre - reach, centre + reach] lie beyond [low, high].
 HWY_INLINE hn::Mask<Lanes> beyond(Vec centre, Vec reach, Vec low, Vec high) {
   return hn::Or(hn::Gt(hn::Sub(centre, reach), high), hn::Lt(hn::Add(centre, reach), low));
 }
 
-/// Boxes that end on one side of the moving slab, by what their own slabs leave of them.
+/// Boxes that end on one side of the moving slab.
 HWY_INLINE hn::Mask<Lanes> beyond_slab(const Boxes& boxes, const SweptSlab& slab) {
   const Lanes d;
-  // The part of the direction that is the slab's normal, and the remainder, along which the box counts.
-  const auto part = hn::Mul(dot(boxes.normal, slab.half_normal), hn::Set(d, normal_weight));
-  const auto scaled = hn::Mul(part, hn::Set(d, static_cast<float>(MeshNode::slab_unit)));
-  auto centre = hn::Mul(scaled, hn::Add(boxes.slab_lower, boxes.slab_upper));
-  auto reach = hn::Mul(hn::Abs(scaled), hn::Sub(boxes.slab_upper, boxes.slab_lower));
-  for (int i = 0; i < 3; ++i) {
-    const auto rest = hn::Sub(hn::Set(d, slab.half_normal[i]), hn::Mul(part, boxes.normal[i]));
-    centre = hn::Add(centre, hn::Mul(rest, boxes.sum[i]));
-    reach = hn::Add(reach, hn::Mul(hn::Abs(rest), boxes.extent[i]));
-  }
+  Vec centre, reach;
+  boxes.cover(slab.half_normal, centre, reach);
   return beyond(centre, reach, hn::Set(d, slab.low), hn::Set(d, slab.high));
-}
-
-/// How large boxes are, only to compare: a slab's thickness counts more than what it is cut from.
-HWY_INLINE Vec sizes(const Boxes& boxes) {
-  const auto extent = hn::Add(hn::Add(boxes.extent[0], boxes.extent[1]), boxes.extent[2]);
-  const auto thickness = hn::Sub(boxes.slab_upper, boxes.slab_lower);
-  return hn::Add(hn::Mul(thickness, hn::Set(Lanes(), 8.0F)), extent);
 }
 
 /// Moves the lanes of a mask to the front, in order. (g++ copies the table of Highway's Compress onto the stack for
@@ -230,26 +150,17 @@ class LaneTest {
     sweep<kEnds>(side, moving, swept_);
   }
 
-  /// The lanes from `first` on that are proven apart, and what was read of all of them.
-  HWY_INLINE hn::Mask<Lanes> apart(const MeshNode& node, std::size_t first, Boxes& boxes) const {
+  /// The boxes that are proven apart.
+  HWY_INLINE hn::Mask<Lanes> apart(const Boxes& boxes) const {
     const Lanes d;
     auto result = hn::FirstN(d, 0);
     for (int axis = 0; axis < 3; ++axis) {
-      const auto lower = Boxes::widened(node.lower[axis] + first), upper = Boxes::widened(node.upper[axis] + first);
-      result = hn::Or(
-          result, hn::Or(hn::Gt(lower, hn::Set(d, swept_.high[axis])), hn::Lt(upper, hn::Set(d, swept_.low[axis]))));
-      boxes.sum[axis] = hn::Add(lower, upper);
-      boxes.extent[axis] = hn::Sub(upper, lower);
-      boxes.normal[axis] = Boxes::widened(node.normal[axis] + first);
+      result = hn::Or(result, hn::Or(hn::Gt(boxes.lower[axis], hn::Set(d, swept_.high[axis])),
+                                     hn::Lt(boxes.upper[axis], hn::Set(d, swept_.low[axis]))));
     }
-    boxes.slab_lower = Boxes::widened(node.slab_lower + first);
-    boxes.slab_upper = Boxes::widened(node.slab_upper + first);
     for (int axis = 0; axis < 3; ++axis) {
-      const std::array<float, 3>& n = side_.oblique[axis];
-      auto reach = hn::Mul(hn::Set(d, std::abs(n[0])), boxes.extent[0]);
-      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[1])), boxes.extent[1]));
-      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[2])), boxes.extent[2]));
-      result = hn::Or(result, beyond(dot(boxes.sum, n.data()), reach, hn::Set(d, swept_.low[4 + axis]),
+      const float* const n = side_.oblique[axis].data();
+      result = hn::Or(result, beyond(dot(boxes.sum, n), boxes.reach_along(n), hn::Set(d, swept_.low[4 + axis]),
                                      hn::Set(d, swept_.high[4 + axis])));
     }
     return hn::Or(result, beyond_slab(boxes, slab_));
@@ -261,11 +172,11 @@ class LaneTest {
   Swept swept_;
 };
 
-/// Depth first, the larger box of a pair being opened.
+/// Depth first; of a pair of boxes the larger one is opened.
 template <int kEnds>
-class Traversal {
+class LeafPairTraversal {
  public:
-  Traversal(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate)
+  LeafPairTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate)
       : trees_{&a, &b}, sides_{&gate.a, &gate.b} {}
 
   bool run(VisitLeaves visit, void* context) {
@@ -336,8 +247,8 @@ class Traversal {
     const auto step = hn::Set(d, side.step);
     Column &rests = stack_[resting], &moves = stack_[1 - resting];
     for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
-      Boxes boxes;
-      const auto apart = test.apart(node, first, boxes);
+      const Boxes boxes(node, first);
+      const auto apart = test.apart(boxes);
       const auto link = hn::LoadU(du, node.link + first);
       const auto used = hn::Lt(link, hn::Set(du, MeshNode::unused_link));
       const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;
@@ -346,7 +257,7 @@ class Traversal {
       const Packing pack(near);
       hn::StoreU(pack(link), du, rests.link.data() + size_);
       hn::StoreU(pack(slot), du, rests.slot.data() + size_);
-      hn::StoreU(pack(hn::Mul(sizes(boxes), step)), d, rests.size.data() + size_);
+      hn::StoreU(pack(hn::Mul(boxes.sizes(), step)), d, rests.size.data() + size_);
       hn::StoreU(hn::Set(du, other.link), du, moves.link.data() + size_);
       hn::StoreU(hn::Set(du, other.slot), du, moves.slot.data() + size_);
       hn::StoreU(hn::Set(d, other.size), d, moves.size.data() + size_);
@@ -360,9 +271,12 @@ class Traversal {
   std::array<Column, 2> stack_;
 };
 
+}  // namespace
+
 bool visit_leaf_pairs(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, VisitLeaves visit,
                       void* context) {
-  return gate.ends == 1 ? Traversal<1>(a, b, gate).run(visit, context) : Traversal<2>(a, b, gate).run(visit, context);
+  return gate.ends == 1 ? LeafPairTraversal<1>(a, b, gate).run(visit, context)
+                        : LeafPairTraversal<2>(a, b, gate).run(visit, context);
 }
 
 }  // namespace encage::HWY_NAMESPACE

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "broadphase/motion/pair_motion.h"
+#include "src/tree/mesh_tree.h"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/separation/containment.h"
 
+#include "src/limits.h"
+#include "src/tree/visit.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,8 +14,6 @@ namespace encage {
 namespace {
 
 using Vector = Eigen::Vector3d;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// False only if the ray from `p` is proven to miss the box. Each quotient is
 /// off by at most 2 eps relatively: two roundings.
@@ -48,7 +49,7 @@ std::optional<int> crossing(const Ray& ray, const std::array<Vector, 3>& triangl
   }
   const double edge_error = 32 * eps * m * m;
   // Products below this could have lost bits to underflow.
-  if (!(edge_error * m > 1e-290)) return std::nullopt;
+  if (!(edge_error * m > smallest_product)) return std::nullopt;
   std::array<double, 3> w;
   bool positive = false, negative = false, open = false;
   for (int k = 0; k < 3; ++k) {
@@ -76,27 +77,24 @@ std::optional<int> crossing(const Ray& ray, const std::array<Vector, 3>& triangl
 /// Winding number of the surface about `p`, counted along the ray.
 std::optional<int> winding(const Surface& surface, const Ray& ray, const Vector& p) {
   int sum = 0;
-  std::array<std::int32_t, MeshNode::width*(MeshTree::max_depth + 2)> stack;
-  int size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const MeshNode& node = surface.tree.nodes[stack[--size]];
+  const bool decided = visit_nodes(surface.tree, [&](const MeshNode& node, auto&& descend) {
     for (int lane = 0; lane < MeshNode::width; ++lane) {
       if (node.count(lane) == MeshNode::unused || !may_meet(ray, surface.tree, node, lane, p)) continue;
       if (node.count(lane) == MeshNode::inner) {
-        stack[size++] = node.child(lane);
+        descend(node.child(lane));
         continue;
       }
       for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
         const auto& v = surface.tree.leaves[i].vertices;
         const std::optional<int> sign =
             crossing(ray, {surface.vertex(v[0]), surface.vertex(v[1]), surface.vertex(v[2])}, p);
-        if (!sign) return std::nullopt;
+        if (!sign) return false;
         sum += *sign;
       }
     }
-  }
-  return sum;
+    return true;
+  });
+  return decided ? std::optional(sum) : std::nullopt;
 }
 
 }  // namespace
@@ -116,17 +114,18 @@ Side locate(const Surface& surface, const Vector& point) noexcept {
   return Side::unknown;
 }
 
-bool all_outside(const ScaledSurface& host, const ScaledSurface& guest, const PairFrame& frame) noexcept {
+bool all_outside(const ScaledSurface& host, const ScaledSurface& guest, const AffineMap& to_host) noexcept {
   return std::all_of(guest->parts.begin(), guest->parts.end(), [&](const MeshPart& part) {
-    return locate(*host, frame.map(guest.vertex(part.vertex)) / host.scale()) == Side::outside;
+    return locate(*host, to_host(guest.vertex(part.vertex)) / host.scale()) == Side::outside;
   });
 }
 
-bool could_hold(const Shape& host, double host_scale, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
-                double guest_scale, const std::array<AffineMap, 2>& guest_maps, double slack) noexcept {
+bool could_hold(const SimpleShape& host, double host_scale, const std::array<AffineMap, 2>& host_maps,
+                const SimpleShape& guest, double guest_scale, const std::array<AffineMap, 2>& guest_maps,
+                double slack) noexcept {
   const Surface& outer = host.outer();
   const ScaledSurface inner(guest.fine, guest_scale);
-  const double reach = slack + (1 + 1e-8) * (host_scale * host.outer_error() + guest_scale * guest.fine_error);
+  const double reach = slack + host.error_in_world(host_scale) + guest.error_in_world(guest_scale);
   const Vector centre = 0.5 * host_scale * (outer.lower.cast<double>() + outer.upper.cast<double>());
   const Vector half = 0.5 * host_scale * (outer.upper.cast<double>() - outer.lower.cast<double>());
   // Beyond the box along n at both ends in the same sense, hence always: vertex and box move linearly.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "broadphase/motion/frame.h"
-#include "broadphase/motion/pair_motion.h"
+#include "broadphase/shape/shape.h"
 
 #include <array>
 
@@ -15,13 +14,13 @@ enum class Interior {
   unknown,
 };
 
-inline Interior interior(const Shape& shape) {
+inline Interior interior(const SimpleShape& shape) {
   if (shape.hollow) return Interior::none;
   return shape.solid == Solid::surface_only || !shape.fine.closed ? Interior::unknown : Interior::enclosed;
 }
 
 /// Of a body of which only cages are looked at.
-inline bool unknown_in_cage(const Shape& shape) { return shape.solid == Solid::surface_only && !shape.hollow; }
+inline bool unknown_in_cage(const SimpleShape& shape) { return shape.solid == Solid::surface_only && !shape.hollow; }
 
 enum class Side { outside, inside, unknown };
 
@@ -48,12 +47,13 @@ Side locate(const Surface& surface, const Eigen::Vector3d& point) noexcept;
 
 /// True only if every component of `guest` is proven to lie outside the solid
 /// that `host` bounds. Call it where the surfaces are known not to touch: one
-/// point then stands for its component. `frame` maps guest's frame to host's.
-bool all_outside(const ScaledSurface& host, const ScaledSurface& guest, const PairFrame& frame) noexcept;
+/// point then stands for its component. `to_host` maps guest's frame to host's.
+bool all_outside(const ScaledSurface& host, const ScaledSurface& guest, const AffineMap& to_host) noexcept;
 
 /// For a host whose interior is unknown: false only if of every part of the guest some vertex is proven to stay
 /// outside the host's box during the whole interval. The maps lead to the common frame, with errors up to `slack`.
-bool could_hold(const Shape& host, double host_scale, const std::array<AffineMap, 2>& host_maps, const Shape& guest,
-                double guest_scale, const std::array<AffineMap, 2>& guest_maps, double slack) noexcept;
+bool could_hold(const SimpleShape& host, double host_scale, const std::array<AffineMap, 2>& host_maps,
+                const SimpleShape& guest, double guest_scale, const std::array<AffineMap, 2>& guest_maps,
+                double slack) noexcept;
 
 }  // namespace encage

@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
 
 #include "broadphase/separation/leaf_gate.h"
+#include "src/limits.h"
 
 #include <hwy/highway.h>
 // clang-format on
@@ -13,6 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+namespace {
 
 using Lanes = hn::CappedTag<double, LeafLanes::width>;
 using Vec = hn::Vec<Lanes>;
@@ -91,7 +94,8 @@ struct Test {
   HWY_INLINE Mask separated_along(const Vec3& n) const {
     const Lanes d;
     const Vec squared = dot(n, n), required = hn::Mul(hn::Sqrt(squared), distance);
-    const Mask sound = hn::And(hn::Gt(squared, hn::Set(d, 1e-280)), hn::Gt(required, hn::Set(d, 1e-290)));
+    const Mask sound =
+        hn::And(hn::Gt(squared, hn::Set(d, smallest_square)), hn::Gt(required, hn::Set(d, smallest_product)));
     return hn::And(sound, separated(required, [&](const Vec3& x) { return dot(n, x); }));
   }
 
@@ -138,6 +142,8 @@ std::uint32_t not_apart(const LeafLanes& a, int lane, const LeafLanes& b, int co
   }
   return result & ((1U << count) - 1);
 }
+
+}  // namespace
 
 std::uint32_t lanes_not_apart(const LeafLanes& a, int lane, const LeafLanes& b, int count, int ends, double distance) {
   return ends == 1 ? not_apart<1>(a, lane, b, count, distance) : not_apart<2>(a, lane, b, count, distance);

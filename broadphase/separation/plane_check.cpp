@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/separation/plane_check.h"
 
-#include "broadphase/motion/frame.h"
+#include "src/limits.h"
+#include "src/tree/visit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +13,9 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-
 /// Whether n . x > limit for some vertex x, as computed.
 bool exceeds(const Surface& surface, const Vector& n, double limit) noexcept {
-  std::array<std::int32_t, MeshNode::width*(MeshTree::max_depth + 2)> stack;
-  int size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const MeshNode& node = surface.tree.nodes[stack[--size]];
+  return !visit_nodes(surface.tree, [&](const MeshNode& node, auto&& descend) {
     std::array<double, MeshNode::width> upper{};
     for (int k = 0; k < 3; ++k) {
       for (int lane = 0; lane < MeshNode::width; ++lane) {
@@ -30,35 +25,35 @@ bool exceeds(const Surface& surface, const Vector& n, double limit) noexcept {
     for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
       if (upper[lane] <= limit) continue;
       if (node.count(lane) == MeshNode::inner) {
-        stack[size++] = node.child(lane);
+        descend(node.child(lane));
         continue;
       }
       for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
         for (const std::int32_t v : surface.tree.leaves[i].vertices) {
-          if (!(n.dot(surface.vertex(v)) <= limit)) return true;
+          if (!(n.dot(surface.vertex(v)) <= limit)) return false;
         }
       }
     }
-  }
-  return false;
+    return true;
+  });
 }
 
 }  // namespace
 
-PlaneCheck::PlaneCheck(const Shape& shape, const Surface& surface, const Motion& motion, const HalfSpace& plane,
+PlaneCheck::PlaneCheck(const SimpleShape& shape, const Surface& surface, const Motion& motion, const HalfSpace& plane,
                        double margin, double arc) noexcept
     : surface_(surface, motion.scale), arc_(arc) {
-  double size = std::abs(plane.offset) + surface_.radius() + motion.scale * shape.origin.norm();
+  double size = std::abs(plane.offset) + surface_.radius() + motion.scale * shape.frame.origin.norm();
   for (std::size_t end = 0; end < 2; ++end) {
     const Eigen::Isometry3d& pose = end == 0 ? motion.start : motion.end;
     normal_[end] = pose.linear().transpose() * plane.normal;
-    height_[end] = plane.normal.dot(pose * (motion.scale * shape.origin)) - plane.offset;
+    height_[end] = plane.normal.dot(pose * (motion.scale * shape.frame.origin)) - plane.offset;
     size += pose.translation().norm();
   }
-  const bool unit = std::abs(plane.normal.norm() - 1) <= 1e-9 && std::isfinite(plane.offset) && margin >= 0 &&
-                    arc >= 0 && std::isfinite(arc);
+  const bool unit = std::abs(plane.normal.norm() - 1) <= rigid_tolerance && std::isfinite(plane.offset) &&
+                    margin >= 0 && arc >= 0 && std::isfinite(arc);
   // Heights are off by less than 32 units of roundoff of the sizes; the normal's length scales them by 1 +- 1e-9.
-  clearance_ = unit ? (margin + (1 + 1e-8) * motion.scale * shape.outer_error()) * (1 + 4e-9) + 32 * eps * size
+  clearance_ = unit ? (margin + shape.error_in_world(motion.scale)) * (1 + 4e-9) + 32 * eps * size
                     : std::numeric_limits<double>::infinity();
 }
 
@@ -84,23 +79,20 @@ void PlaneCheck::visit_near(void (*visit)(void* context, std::int32_t vertex), v
   };
   // Boxes are left out a little later than vertices are: their bounds carry as much rounding.
   const double reach = 2 * clearance_ + arc_;
-  std::array<std::int32_t, MeshNode::width*(MeshTree::max_depth + 2)> stack;
-  int size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const MeshNode& node = surface_->tree.nodes[stack[--size]];
+  visit_nodes(surface_->tree, [&](const MeshNode& node, auto&& descend) {
     for (int lane = MeshNode::width - 1; lane >= 0; --lane) {
       if (node.count(lane) == MeshNode::unused) continue;
       if (lowest(node, lane, 0) > reach && lowest(node, lane, 1) > reach) continue;
       if (node.count(lane) == MeshNode::inner) {
-        stack[size++] = node.child(lane);
+        descend(node.child(lane));
         continue;
       }
       for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
         for (const std::int32_t v : surface_->tree.leaves[i].vertices) visit(context, v);
       }
     }
-  }
+    return true;
+  });
 }
 
 double PlaneCheck::first_time(std::int32_t vertex) const {

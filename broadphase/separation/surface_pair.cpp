@@ -3,6 +3,7 @@
 
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/separation/leaf_gate.h"
+#include "src/limits.h"
 
 #include <cmath>
 
@@ -19,7 +20,7 @@ void move(const ScaledSurface& surface, const std::array<AffineMap, 2>& maps, co
   }
 }
 
-/// Tests the triangles of pairs of leaves.
+/// Tests the triangles of pairs of leaves against each other.
 struct LeafTest {
   const ScaledSurface& a;
   const ScaledSurface& b;
@@ -77,7 +78,7 @@ bool balls_apart(const ScaledSurface& a, const ScaledSurface& b, const PairMotio
   // Twice: room for rounding of the radii's images; what it costs is nothing.
   const double required = (a.radius() + b.radius()) * (1 + 1e-8) + 2 * distance;
   const double scaled = axis.norm() * required;
-  return scaled > 1e-280 && axis.dot(start) > scaled && axis.dot(end) > scaled;
+  return scaled > smallest_square && axis.dot(start) > scaled && axis.dot(end) > scaled;
 }
 
 bool visit_near_triangles(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance,

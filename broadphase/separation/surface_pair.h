@@ -3,6 +3,7 @@
 
 #include "broadphase/motion/pair_motion.h"
 #include "broadphase/separation/triangle_pair.h"
+#include "broadphase/shape/shape.h"
 
 #include <algorithm>
 

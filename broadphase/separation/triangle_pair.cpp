@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/separation/triangle_pair.h"
 
+#include "src/limits.h"
 #include "src/mesh/segments.h"
 
 #include <Eigen/Geometry>
@@ -25,7 +26,7 @@ bool beyond(const Vector& n, const TriangleD& a, const TriangleD& b, double requ
 double required_on(const Vector& n, double distance) {
   const double squared = n.squaredNorm();
   const double required = std::sqrt(squared) * distance;
-  return squared > 1e-280 && required > 1e-290 ? required : std::numeric_limits<double>::infinity();
+  return squared > smallest_square && required > smallest_product ? required : std::numeric_limits<double>::infinity();
 }
 
 bool axis_separates(const Vector& n, const TriangleD& a, const TriangleD& b, double distance) {
@@ -51,7 +52,7 @@ TriangleD middle(const MovingTriangle& t) { return {t.corner(0, 0.5), t.corner(1
 /// From a closest point of segment p0 p1 to one of segment q0 q1, up to rounding.
 Vector closest_difference(const Vector& p0, const Vector& p1, const Vector& q0, const Vector& q1) {
   const Vector u = p1 - p0, v = q1 - q0;
-  const auto [s, t] = closest_places(u, v, p0 - q0);
+  const auto [s, t] = closest_parameters(u, v, p0 - q0);
   return (q0 + t * v) - (p0 + s * u);
 }
 

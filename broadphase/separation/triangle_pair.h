@@ -9,7 +9,7 @@ namespace encage {
 
 using TriangleD = std::array<Eigen::Vector3d, 3>;
 
-/// A triangle whose corners move linearly between two places.
+/// A triangle whose corners move linearly between two positions.
 struct MovingTriangle {
   TriangleD start, end;
 

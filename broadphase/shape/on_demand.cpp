@@ -142,7 +142,7 @@ ShapeCacheStatistics MeshBudget::statistics() const {
 
 // ---- OnDemandMesh ----------------------------------------------------------
 
-OnDemandMesh::OnDemandMesh(Shape& shape, std::string file, std::shared_ptr<MeshBudget> budget)
+OnDemandMesh::OnDemandMesh(SimpleShape& shape, std::string file, std::shared_ptr<MeshBudget> budget)
     : shape_(shape), file_(std::move(file)), budget_(std::move(budget)), bytes_(shape.asset->fine_bytes()) {
   budget_->add(*this, file_);
 }
@@ -167,7 +167,7 @@ void OnDemandMesh::unpin() noexcept {
   budget_->settle();
 }
 
-// Shape::fine is written only while nobody may look at it. In place it is the same each time.
+// SimpleShape::fine is written only while nobody may look at it. In place it is the same each time.
 std::int64_t OnDemandMesh::load() {
   AssetView& asset = *shape_.asset;
   std::int64_t bytes = bytes_;
@@ -184,7 +184,7 @@ std::int64_t OnDemandMesh::load() {
         view = arrays_->view();
       }
       Surface fine(*view);
-      if (fine.radius > shape_.radius) throw Error(file_ + ": " + fine_name + ": reaches beyond the cages");
+      if (fine.radius > shape_.frame.radius) throw Error(file_ + ": " + fine_name + ": reaches beyond the cages");
       shape_.fine = fine;
       if (arrays_) asset.discard_fine();
     }
@@ -206,14 +206,23 @@ void OnDemandMesh::drop() noexcept {
 
 // ---- FineLease -------------------------------------------------------------
 
+namespace {
+
+OnDemandMesh* mesh_on_demand(const Shape& shape) {
+  return shape.is_compound() ? nullptr : shape.simple().on_demand.get();
+}
+
+}  // namespace
+
 FineLease::FineLease(const Shape& shape) {
-  if (!shape.on_demand) return;
-  shape.on_demand->pin();
-  mesh_ = shape.on_demand.get();
+  OnDemandMesh* const mesh = mesh_on_demand(shape);
+  if (!mesh) return;
+  mesh->pin();
+  mesh_ = mesh;
 }
 
 bool FineLease::take(const Shape& shape) noexcept {
-  if (mesh_ || !shape.on_demand) return true;
+  if (mesh_ || !mesh_on_demand(shape)) return true;
   try {
     *this = FineLease(shape);
   } catch (const std::exception&) {

@@ -17,6 +17,7 @@
 namespace encage {
 
 class OnDemandMesh;
+class SimpleShape;
 
 /// Which fine meshes are in memory. Thread safe.
 class ENCAGE_HIDDEN MeshBudget {
@@ -57,11 +58,11 @@ class ENCAGE_HIDDEN MeshBudget {
   ShapeCacheStatistics counts_;
 };
 
-/// The fine mesh of a shape, which comes and goes. While it is pinned, Shape::fine stays as it is.
+/// The fine mesh of a shape, which comes and goes. While it is pinned, SimpleShape::fine stays as it is.
 class ENCAGE_HIDDEN OnDemandMesh {
  public:
   /// The shape has its asset and cages, and owns this.
-  OnDemandMesh(Shape& shape, std::string file, std::shared_ptr<MeshBudget> budget);
+  OnDemandMesh(SimpleShape& shape, std::string file, std::shared_ptr<MeshBudget> budget);
   ~OnDemandMesh();
   OnDemandMesh(const OnDemandMesh&) = delete;
   OnDemandMesh& operator=(const OnDemandMesh&) = delete;
@@ -75,7 +76,7 @@ class ENCAGE_HIDDEN OnDemandMesh {
   std::int64_t load();  ///< bytes in memory; throws Error
   void drop() noexcept;
 
-  Shape& shape_;
+  SimpleShape& shape_;
   std::string file_;
   std::shared_ptr<MeshBudget> budget_;
   // A query pins first and then asks whether the mesh is resident; the budget takes `resident_` back first and then

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "broadphase/motion/pair_frame.h"
 #include "broadphase/shape/on_demand.h"
 #include "broadphase/shape/outline.h"
 #include "src/asset/view.h"
@@ -8,14 +9,14 @@
 
 #include <encage/shape.h>
 
+#include <array>
+#include <cassert>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace encage {
-
-/// Of places, sizes and margins: larger ones could overflow where bounds are added up.
-inline constexpr double largest_length = 1e150;
 
 /// A surface in the local frame of its hierarchy, ready for queries. Its arrays live in the Shape.
 struct Surface : MeshArraysView {
@@ -50,52 +51,90 @@ class ScaledSurface {
   double scale_;
 };
 
-/// One part of a compound: itself no compound.
-struct ShapePart {
-  ShapePtr shape;
-  Eigen::Isometry3d pose;
-  double scale;
-  Eigen::AlignedBox3d box;      ///< in the compound's frame
-  double reach;                 ///< sum of the sizes that its place is computed from
-  int nesting;                  ///< compounds that it was taken out of
-  std::int32_t first_triangle;  ///< of all parts' fine meshes
-  std::int32_t first_vertex;
-};
+class SimpleShape;
+class CompoundShape;
 
-struct PartNode {
-  Eigen::AlignedBox3d box;  ///< in the compound's frame
-  std::array<std::int32_t, 2> children = {-1, -1};
-  std::int32_t part = -1;  ///< of a leaf
-};
-
-/// Simple, or a compound: that has parts and none of its own surfaces. Public headers
-/// have only its name.
+/// A simple shape or a compound. Public headers have only its name.
 class ENCAGE_HIDDEN Shape {
  public:
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< body frame = origin + local frame
+  Shape(const Shape&) = delete;
+  Shape& operator=(const Shape&) = delete;
+
+  bool is_compound() const { return is_compound_; }
+  const SimpleShape& simple() const;      ///< it is no compound
+  const CompoundShape& compound() const;  ///< it is one
+
+ protected:
+  explicit Shape(bool is_compound) : is_compound_(is_compound) {}
+  ~Shape() = default;  // ShapePtr knows what it deletes
+
+ private:
+  bool is_compound_;
+};
+
+/// Surfaces of one rigid body in its own frame: cages, the fine mesh, or both.
+class ENCAGE_HIDDEN SimpleShape final : public Shape {
+ public:
+  SimpleShape() : Shape(false) {}
+
+  LocalFrame frame;  ///< of all surfaces; its radius is the largest of theirs
   Solid solid = Solid::closed;
   bool hollow = false;         ///< the body is its surface alone
   double fine_error = 0;       ///< distance of a source vertex from its fine vertex, at most
-  double radius = 0;           ///< largest of all surfaces
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty; of a mesh on demand only while a FineLease is held
   std::size_t fine_triangles = 0, fine_vertices = 0;  ///< in memory or not
-  Outline outline;            ///< few points that hold the body, for its world boxes; may be empty
+  Outline outline;            ///< few points whose hull contains the body, for its world boxes; may be empty
   double outline_radius = 0;  ///< largest norm of these
 
-  std::vector<ShapePart> parts;
-  std::vector<PartNode> part_nodes;  ///< a tree, the root first
-
   bool has_fine() const { return on_demand || !fine.empty(); }
-  /// The surface whose box bounds the body, and the error of that; always in memory.
+  /// The surface whose box bounds the body; always in memory.
   const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
-  double outer_error() const { return has_fine() ? fine_error : 0; }
+  /// How far the source may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
+  double error_in_world(double scale) const { return has_fine() ? (1 + 1e-8) * scale * fine_error : 0; }
 
   // What the surfaces refer to.
   std::deque<MeshArrays> owned_arrays;
   std::optional<AssetView> asset;
   std::unique_ptr<OnDemandMesh> on_demand;  ///< of a shape of a ShapeCache that has a fine mesh
 };
+
+/// One part of a compound.
+struct ENCAGE_HIDDEN ShapePart {
+  std::shared_ptr<const SimpleShape> shape;
+  Eigen::Isometry3d pose;  ///< in the compound's frame
+  double scale;
+  Eigen::AlignedBox3d box;      ///< in the compound's frame
+  double reach;                 ///< sum of the sizes that its position is computed from
+  int nesting;                  ///< number of compounds that it was taken out of
+  std::int32_t first_triangle;  ///< in the numbering of all parts' fine meshes
+  std::int32_t first_vertex;
+};
+
+/// A node of a binary tree of parts.
+struct PartNode {
+  Eigen::AlignedBox3d box;  ///< in the compound's frame
+  std::array<std::int32_t, 2> children = {-1, -1};
+  std::int32_t part = -1;  ///< of a leaf
+};
+
+/// The union of parts, none of which is a compound.
+class ENCAGE_HIDDEN CompoundShape final : public Shape {
+ public:
+  CompoundShape() : Shape(true) {}
+
+  std::vector<ShapePart> parts;
+  std::vector<PartNode> nodes;  ///< the root first
+};
+
+inline const SimpleShape& Shape::simple() const {
+  assert(!is_compound_);
+  return static_cast<const SimpleShape&>(*this);
+}
+inline const CompoundShape& Shape::compound() const {
+  assert(is_compound_);
+  return static_cast<const CompoundShape&>(*this);
+}
 
 /// The shape of an asset, its fine mesh on demand.
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of a world: what is refused leaves it as it is.
-#include "broadphase/motion/frame.h"
-#include "broadphase/motion/turned_box.h"
+#include "broadphase/motion/pose.h"
+#include "broadphase/shape/shape.h"
 #include "broadphase/world/room.h"
 #include "broadphase/world/state.h"
 #include "src/files/number_text.h"
+#include "src/limits.h"
 
 #include <cmath>
 #include <string>
@@ -22,6 +23,7 @@ template <WorldId Id>
 const char* pose_defect(const Eigen::Isometry3d& pose) {
   if (!pose.matrix().topRows<3>().allFinite()) return "is not finite";
   if (pose.translation().cwiseAbs().maxCoeff() > largest_length) return "is farther than 1e150 away";
+  if (is_mirrored(pose)) return "mirrors the body";
   return is_usable(pose) ? nullptr : "is farther than 1e-9 from rigid";
 }
 
@@ -103,7 +105,7 @@ HalfSpaceId World::State::add_half_space(const HalfSpace& half_space, const Filt
   check_unlocked();
   const HalfSpaceId id = plane_ids_.next();
   if (!half_space.normal.allFinite()) refuse(id, "the normal is not finite");
-  if (const double length = half_space.normal.norm(); !(std::abs(length - 1) <= 1e-9)) {
+  if (const double length = half_space.normal.norm(); !(std::abs(length - 1) <= rigid_tolerance)) {
     refuse(id, "the normal's length is " + number_text(length) + ", not 1");
   }
   if (!(std::abs(half_space.offset) <= largest_length)) {
@@ -133,7 +135,7 @@ void World::State::remove(HalfSpaceId id) {
 
 void World::State::check_options(BodyId id, const BodyOptions& options) const {
   check_length(id, "margin", options.margin);
-  if (const double scale = options.scale; !(scale >= 1e-50 && scale <= 1e50)) {
+  if (const double scale = options.scale; !(scale >= smallest_scale && scale <= largest_scale)) {
     refuse(id, "the scale " + number_text(scale) + " is not between 1e-50 and 1e50");
   }
 }
@@ -267,7 +269,7 @@ void World::State::update(std::uint32_t n) noexcept {
   const BodyOptions& o = body.options;
   const bool plain = o.kind == BodyKind::dynamic && o.group == 0 && o.filter.category != 0 && ~o.filter.mask == 0;
   traits_[n] = static_cast<std::uint8_t>((body.awake ? is_awake : 0) | (plain ? is_plain : 0) |
-                                         (shape_of(body)->parts.empty() ? 0 : is_compound));
+                                         (shape_of(body)->is_compound() ? is_compound : 0));
   tree_.touch(body.leaf);
   outdated_[n] |= outdated;
   if (!body.awake) has_stirred_ = true;

@@ -38,6 +38,8 @@ namespace encage::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+namespace {
+
 using Floats = hn::CappedTag<float, BoxLanes::width>;
 
 /// Bits of the lanes that overlap the box.
@@ -89,6 +91,8 @@ HWY_INLINE std::int64_t for_each_leaf_node(const BoxNodes& nodes, const FloatBox
   return count;
 }
 
+}  // namespace
+
 void search_box(const BoxNodes& nodes, const FloatBox& box,
                 void (*visit)(const void* context, std::int32_t node, unsigned lanes), const void* context) {
   const auto look = [&](std::int32_t node) {
@@ -100,6 +104,8 @@ void search_box(const BoxNodes& nodes, const FloatBox& box,
     for_each_leaf_node(nodes, box, 0, [&](std::int32_t node, const BoxLanes&, int) { look(node); });
   }
 }
+
+namespace {
 
 /// The moved lanes of node a against all leaves. Of two moved ones, the one that comes first finds the other.
 std::int64_t search_node(const BoxNodes& nodes, const MovedLeaves& moved, std::int32_t a) {
@@ -128,6 +134,8 @@ std::int64_t search_node(const BoxNodes& nodes, const MovedLeaves& moved, std::i
       nodes, own.merged(), moved.all ? a : 0,
       [&](std::int32_t b, const BoxLanes& parent, int lane) { look(b, overlapping(own, parent.at(lane))); });
 }
+
+}  // namespace
 
 /// Returns how many pairs of nodes were looked at, counted as if not all had moved; adds to `nodes_searched`.
 std::int64_t search_moved(const BoxNodes& nodes, const MovedLeaves& moved, std::int64_t& nodes_searched) {

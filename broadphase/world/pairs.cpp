@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which pairs a world keeps: those whose boxes in the tree overlap.
-#include "broadphase/motion/frame.h"
 #include "broadphase/motion/turned_box.h"
+#include "broadphase/shape/world_box.h"
 #include "broadphase/world/chunks.h"
 #include "broadphase/world/room.h"
 #include "broadphase/world/state.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "broadphase/motion/frame.h"
 #include "broadphase/motion/turned_box.h"
 #include "broadphase/world/chunks.h"
 #include "broadphase/world/room.h"
 #include "broadphase/world/state.h"
+#include "src/limits.h"
 
 #include <algorithm>
 #include <atomic>
@@ -26,7 +26,7 @@ struct Unlock {
 };
 
 /// More than the rounding of a sum of four margins, and of this product.
-constexpr double rounded_up = 1 + 8 * std::numeric_limits<double>::epsilon();
+constexpr double rounded_up = 1 + 8 * eps;
 
 }  // namespace
 
@@ -80,7 +80,7 @@ void World::State::for_each_triangle_pair(const Pair& pair, double margin, Visit
   if (has_half_space(pair.key)) return;
   const Body& a = bodies_[first_of(pair.key)];
   const Body& b = bodies_[second_of(pair.key)];
-  for_each_candidate(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair.key, margin), visit);
+  encage::for_each_triangle_pair(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair.key, margin), visit);
 }
 
 // ---- Search --------------------------------------------------------------

@@ -22,8 +22,8 @@ struct Chain {
   std::string name;
   std::vector<MadeLevel> levels;
   std::vector<std::string> skipped;  ///< one message for every target that a finer level meets
-  /// Over all targets, the volume of the level that stands for it; so chains with fewer levels gain nothing. It
-  /// orders chains as the sum of volume ratio - 1 does.
+  /// Over all targets, the volume of the level that stands for it; so chains with fewer levels gain nothing. It orders
+  /// chains as the sum of volume ratio - 1 does.
   double volume = 0;
   std::string failure;    ///< the level that failed and why; empty if none did
   bool complete = false;  ///< no level is missing
@@ -43,8 +43,8 @@ struct ChainPlace {
 /// Makes the levels until one fails or time is up.
 Chain make_chain(LevelMaker& maker, const Recipe& recipe, const ChainPlace& place);
 
-/// The tightest of the complete chains, the first among equals. If there is none: one that only time cut short;
-/// then the one with most levels.
+/// The tightest of the complete chains, the first among equals. If there is none: one that only time cut short; then
+/// the one with most levels.
 Chain best_chain(std::vector<Chain> chains);
 
 }  // namespace encage

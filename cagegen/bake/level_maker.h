@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cagegen/bake/journal.h"
-#include "cagegen/control.h"
-#include "cagegen/geometry/obstacle.h"
+#include "cagegen/level.h"
+#include "cagegen/threads/control.h"
+#include "cagegen/threads/journal.h"
 
 #include <encage/bake.h>
 
@@ -42,8 +42,8 @@ class LevelMaker {
  public:
   LevelMaker(const SourceMesh& source, const BakeOptions& options, const BakeContext& context);
 
-  /// The level around `finer`, or around the source if that is null. No value if it failed: `failure` says why; or
-  /// if time is up, which leaves `failure` empty. Throws Cancelled, and what the caller's functions throw.
+  /// The level around `finer`, or around the source if that is null. No value if it failed: `failure` says why; or if
+  /// time is up, which leaves `failure` empty. Throws Cancelled, and what the caller's functions throw.
   std::optional<MadeLevel> make(const MadeLevel* finer, const LevelTarget& target, const LevelProgress& progress,
                                 std::string& failure);
 
@@ -51,13 +51,10 @@ class LevelMaker {
   bool out_of_time() const { return control_.out_of_time; }
 
  private:
-  class Proof;
-
   void work(const MadeLevel* finer, const LevelTarget& target, MadeLevel& made, std::string& failure);
-  void make_by_collapse(const makers::Obstacle& obstacle, const MadeLevel* finer, const LevelTarget& target,
-                        Proof& proof, MadeLevel& made);
-  void make_by_flow(const makers::Obstacle& obstacle, const MadeLevel* finer, const LevelTarget& target, Proof& proof,
-                    MadeLevel& made, std::string& failure);
+  makers::LevelResult make_by(Method method, const makers::Obstacle& obstacle, const makers::LevelRequest& request,
+                              const MadeLevel* finer, const TriangleMesh* coarse);
+  std::optional<Certificate> accept(const TriangleMesh& inner, Solid solid, const makers::Candidate& candidate);
 
   const SourceMesh& source_;
   const BakeOptions& options_;

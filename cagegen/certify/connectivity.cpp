@@ -83,8 +83,8 @@ class Builder {
     ++edge_count_;
     std::int32_t balance = 0;
     for (std::int32_t i = begin; i < end; ++i) {
-      // A triangle with a repeated vertex is a segment run to and fro, or half of
-      // it; like is_closed(), do not count it.
+      // A triangle with a repeated vertex is a segment run to and fro, or half of it; like is_closed(), do not count
+      // it.
       if (!repeats_vertex(sorted_[i].id / 3)) balance += from(sorted_[i].id) == near ? 1 : -1;
     }
     if (balance != 0 && result_.open_edge.empty()) result_.open_edge = edge(near, far);

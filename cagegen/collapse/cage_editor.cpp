@@ -93,8 +93,8 @@ bool CageEditor::make_collapse_patch(std::int32_t u, std::int32_t v, Patch& patc
   }
   if (shared != 2 || patch.ring.size() < 3) return false;
   // Link condition: u and v share no neighbour but the two opposite corners.
-  thread_local std::vector<std::int32_t> nu;
-  thread_local std::vector<std::int32_t> nv;
+  std::vector<std::int32_t>& nu = scratch_.neighbours[0];
+  std::vector<std::int32_t>& nv = scratch_.neighbours[1];
   neighbours(u, nu);
   neighbours(v, nv);
   for (const std::int32_t a : nu) {
@@ -156,7 +156,7 @@ CageEditor::Objective CageEditor::objective(const Patch& patch, double quadric_w
 }
 
 double CageEditor::estimate_collapse(std::int32_t u, std::int32_t v) const {
-  thread_local Patch patch;
+  Patch& patch = scratch_.patch;
   if (!make_collapse_patch(u, v, patch)) return std::numeric_limits<double>::infinity();
   const Objective whole = objective(patch, options_.quadric_weight);
   const Objective volume = objective(patch, 0);
@@ -170,11 +170,11 @@ double CageEditor::estimate_collapse(std::int32_t u, std::int32_t v) const {
 
 std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t v) {
   assert(options_.quadric_weight > 0);  // the volume alone is linear: it has no minimum
-  thread_local Patch patch;
+  Patch& patch = scratch_.patch;
   if (!make_collapse_patch(u, v, patch)) return std::nullopt;
   const Objective o = objective(patch, options_.quadric_weight);
-  // A weak pull to the middle settles flat patches, where the quadric leaves p free; a strong one
-  // is tried if the weak one made a bad fan.
+  // A weak pull to the middle settles flat patches, where the quadric leaves p free; a strong one is tried if the weak
+  // one made a bad fan.
   for (const double pull : {1e-3, 1e-1}) {
     Eigen::Matrix3d a = o.matrix;
     a.diagonal().array() += pull * o.matrix.trace() + std::numeric_limits<double>::min();
@@ -186,7 +186,7 @@ std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t 
 }
 
 std::optional<Placement> CageEditor::plan_tightening(std::int32_t vertex, double reach) {
-  thread_local Patch patch;
+  Patch& patch = scratch_.patch;
   make_vertex_patch(vertex, patch);
   const Objective o = objective(patch, 0);
   // Volume is linear in p: a quadratic term makes the free step `reach` long.
@@ -205,9 +205,9 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
   const double clearance = options_.clearance;
   const double lift = kLift * clearance + 4 * rounding_;
   // One plane a ring edge: that through the edge over the part of the obstacle that needs it steepest.
-  thread_local std::vector<HalfSpace> planes;
-  thread_local std::vector<HalfSpace> active;
-  thread_local std::vector<std::int32_t> found;
+  std::vector<HalfSpace>& planes = scratch_.planes;
+  std::vector<HalfSpace>& active = scratch_.active;
+  std::vector<std::int32_t>& found = scratch_.hits;
   planes.assign(patch.ring.size(), {Point::Zero(), 0});
   Point last = Point::Constant(std::numeric_limits<double>::quiet_NaN());
   for (int round = 0; round < kRounds; ++round) {
@@ -271,11 +271,11 @@ bool CageEditor::well_shaped(const Patch& patch, const Point& p) const {
 }
 
 bool CageEditor::cones_hold(const Patch& patch, const Point& p) const {
-  thread_local std::vector<Point> normals;
+  std::vector<Point>& normals = scratch_.normals;
   const auto normal_of = [](const Point& x, const Point& y, const Point& z) {
     return (y - x).cross(z - x).normalized();
   };
-  thread_local std::vector<Point> fan;
+  std::vector<Point>& fan = scratch_.fan;
   fan.clear();
   for (const RingEdge& edge : patch.ring) fan.push_back(normal_of(p, position_[edge.a], position_[edge.b]));
   if (!common_direction(fan)) return false;
@@ -302,7 +302,7 @@ bool CageEditor::keeps_representatives(const Patch& patch, const Point& p) const
   box.extend(p);
   for (int m = 0; m < patch.moved_count; ++m) box.extend(position_[patch.moved[m]]);
   for (const RingEdge& edge : patch.ring) box.extend(position_[edge.a]);
-  thread_local std::vector<Point> points;
+  std::vector<Point>& points = scratch_.representatives;
   points.clear();
   obstacle_.representatives(box, points);
   // Old and new patch bound the space between them: a point in it would change sides.

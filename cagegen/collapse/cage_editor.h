@@ -27,9 +27,9 @@ struct Placement {
   double cost = 0;
 };
 
-/// A cage being edited: a closed, embedded manifold around an obstacle that it never touches. Every
-/// edit keeps that: it is planned first, against obstacle and cage, then applied. Vertices are
-/// exactly representable in float32 all the time.
+/// A cage being edited: a closed, embedded manifold around an obstacle that it never touches. Every edit keeps that: it
+/// is planned first, against obstacle and cage, then applied. Vertices are exactly representable in float32 all the
+/// time. For use by one thread at a time.
 class CageEditor {
  public:
   /// `cage` must be closed, oriented, embedded and clear of the obstacle; kept by reference: obstacle.
@@ -70,6 +70,17 @@ class CageEditor {
     std::array<std::int32_t, 2> moved{-1, -1};  ///< the vertices that p replaces
     int moved_count = 0;
   };
+  /// Kept from one plan to the next, so that plans do not allocate.
+  struct Scratch {
+    Patch patch;
+    std::array<std::vector<std::int32_t>, 2> neighbours;
+    std::vector<HalfSpace> planes;  ///< one a ring edge
+    std::vector<HalfSpace> active;
+    std::vector<std::int32_t> hits;
+    std::vector<Point> fan;  ///< normals of the new triangles
+    std::vector<Point> normals;
+    std::vector<Point> representatives;
+  };
   struct Objective {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
     Point vector = Point::Zero();
@@ -102,6 +113,7 @@ class CageEditor {
   std::int64_t built_for_ = 0;
   std::int64_t edits_ = 0;
   double rounding_ = 0;  ///< of a vertex to float32
+  mutable Scratch scratch_;
   mutable std::vector<std::int32_t> mark_;
   mutable std::int32_t stamp_ = 0;
 };

@@ -3,11 +3,12 @@
 
 #include "cagegen/geometry/closest.h"
 #include "cagegen/geometry/separation.h"
+#include "cagegen/threads/parallel.h"
 #include "src/mesh/rounding.h"
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
+#include <mutex>
 #include <utility>
 
 namespace encage::makers {
@@ -19,6 +20,7 @@ constexpr int kSweeps = 60;  // of projected Gauss-Seidel in one solve
 constexpr int kSlowSweeps = 400;
 constexpr double kLift = 1.6;  // clearances that a contact asks for
 constexpr std::size_t kHitLimit = 24;
+constexpr std::size_t kLeast = 128;  // faces worth a thread
 constexpr double kThinnest = 1e-4;
 
 template <class Pairs>
@@ -174,8 +176,8 @@ void ContactSolver::begin(const Step& step) {
   test_all_ = step.moves;
 }
 
-/// Linearises a pair at the present valid state. `strict`: all corners of the face stay beyond the plane between
-/// the closest points, and the obstacle's triangle below it: two convex sets separated for sure.
+/// Linearises a pair at the present valid state. `strict`: all corners of the face stay beyond the plane between the
+/// closest points, and the obstacle's triangle below it: two convex sets separated for sure.
 void ContactSolver::add_contact(const Step& step, const Pair& pair, bool strict) {
   if (pair.other >= 0) {
     add_obstacle_contact(step, pair, strict);
@@ -280,8 +282,8 @@ void ContactSolver::add_all_near(const Step& step) {
   sort_unique(strict_);
 }
 
-/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers. Contacts none of whose
-/// vertices moved since they were looked at are passed over.
+/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers. Contacts none of whose vertices
+/// moved since they were looked at are passed over.
 void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
   y = wanted;
   for (const Contact& c : contacts_) {
@@ -319,8 +321,8 @@ void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
   }
 }
 
-/// Finds what touches at y. Only faces that moved since the last test are tested again, shared out among the
-/// threads; the result is the same.
+/// Finds what touches at y. Only faces that moved since the last test are tested again, shared out among the threads;
+/// the result is the same.
 void ContactSolver::retest(const Step& step, const Places& y) {
   std::vector<std::int32_t> faces;
   for (std::size_t f = 0; f < face_.size(); ++f) {
@@ -334,24 +336,21 @@ void ContactSolver::retest(const Step& step, const Places& y) {
   work_ += static_cast<std::int64_t>(faces.size());
   std::erase_if(hits_,
                 [&](const Pair& pair) { return dirty_[pair.face] || (pair.other < 0 && dirty_[-1 - pair.other]); });
-  const int parts = faces.size() < 256 ? 1 : std::max(1, options_.threads);
-  std::vector<std::vector<Pair>> found(static_cast<std::size_t>(parts));
-  const auto work = [&](int part) {
-    const std::size_t first = faces.size() * part / parts;
-    const std::size_t last = faces.size() * (part + 1) / parts;
-    for (std::size_t i = first; i < last; ++i) test_face(step, y, faces[i], found[part]);
-  };
-  std::vector<std::thread> threads;
-  for (int part = 1; part < parts; ++part) threads.emplace_back(work, part);
-  work(0);
-  for (std::thread& thread : threads) thread.join();
-  for (const auto& part : found) hits_.insert(hits_.end(), part.begin(), part.end());
+  std::mutex mutex;
+  for_ranges(options_.threads, faces.size(), kLeast, [&](std::size_t first, std::size_t last) {
+    std::vector<Pair> found;
+    std::vector<std::int32_t> scratch;
+    for (std::size_t i = first; i < last; ++i) test_face(step, y, faces[i], found, scratch);
+    const std::lock_guard lock(mutex);
+    hits_.insert(hits_.end(), found.begin(), found.end());
+  });
   std::sort(hits_.begin(), hits_.end());
   tested_ = y;
   test_all_ = false;
 }
 
-void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found) const {
+void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found,
+                              std::vector<std::int32_t>& scratch) const {
   const Corners mine = corners(y, f);
   const Prism prism(mine);
   const bool moved = mine != corners(place_, f);
@@ -365,10 +364,9 @@ void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f,
     }
   }
   if (moved || step.moves) {
-    thread_local std::vector<std::int32_t> triangles;
-    triangles.clear();
-    step.after.highest_hits(prism, options_.clearance, kHitLimit, triangles);
-    for (const std::int32_t t : triangles) found.push_back({f, t});
+    scratch.clear();
+    step.after.highest_hits(prism, options_.clearance, kHitLimit, scratch);
+    for (const std::int32_t t : scratch) found.push_back({f, t});
   }
   if (!dirty_[f]) return;
   tree_.traverse(step.after.near(prism, options_.self_clearance, magnitude_), [&](std::int32_t other) {
@@ -396,8 +394,8 @@ void ContactSolver::retreat(const Step& step, Places& y) {
   }
 }
 
-/// The faces around every vertex that would lose its cone of outward directions: the next coarser level could not
-/// start there.
+/// The faces around every vertex that would lose its cone of outward directions: the next coarser level could not start
+/// there.
 void ContactSolver::add_lost_cones(const Places& y) {
   std::vector<Point> normals;
   const auto has_cone = [&](const Places& places, std::size_t v) {

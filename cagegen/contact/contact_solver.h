@@ -20,11 +20,11 @@ struct ContactOptions {
   std::function<void()> check = [] {};  ///< called often; may throw to cancel
 };
 
-/// Moves a cage from one valid state to the next. A state is valid if the cage keeps `clearance` to the obstacle,
-/// faces keep `self_clearance` to each other (or what they had at the start), neighbours do not fold onto each
-/// other, and one point of each component of the obstacle is inside. That is what a certificate asks for, and a
-/// property of the state alone: however a step went, what it ends in is tested as a whole, and a surface that had
-/// passed through another one on the way would now be outside, or touch.
+/// Moves a cage from one valid state to the next. A state is valid if the cage keeps `clearance` to the obstacle, faces
+/// keep `self_clearance` to each other (or what they had at the start), neighbours do not fold onto each other, and one
+/// point of each component of the obstacle is inside. That is what a certificate asks for, and a property of the state
+/// alone: however a step went, what it ends in is tested as a whole, and a surface that had passed through another one
+/// on the way would now be outside, or touch.
 class ContactSolver {
  public:
   using Places = std::vector<Point>;
@@ -39,18 +39,18 @@ class ContactSolver {
   std::size_t face_count() const { return face_.size(); }
   const std::array<std::int32_t, 3>& face(std::size_t f) const { return face_[f]; }
 
-  /// The valid state near `wanted` that contacts leave; vertices that would still touch stay where they are.
-  /// The obstacle rests.
+  /// The valid state near `wanted` that contacts leave; vertices that would still touch stay where they are. The
+  /// obstacle rests.
   Places approach(const Obstacle& obstacle, const Places& wanted);
 
-  /// The same while the obstacle moves from `before` (where the present state is valid) to `after`. No value if
-  /// faces still touch: jammed() are the faces. Both obstacles are of one mesh. With a `reach` above 0, planes
-  /// are put between all that is as near as that, before it meets: slow, but what follows a small motion.
+  /// The same while the obstacle moves from `before` (where the present state is valid) to `after`. No value if faces
+  /// still touch: jammed() are the faces. Both obstacles are of one mesh. With a `reach` above 0, planes are put
+  /// between all that is as near as that, before it meets: slow, but what follows a small motion.
   std::optional<Places> follow(const Obstacle& before, const Obstacle& after, const Places& wanted, double reach = 0);
   const std::vector<std::int32_t>& jammed() const { return jammed_; }
 
-  /// True if a step from the present state to `places`, free of contacts, has not passed a component of the
-  /// obstacle as a whole.
+  /// True if a step from the present state to `places`, free of contacts, has not passed a component of the obstacle as
+  /// a whole.
   bool encloses_all(const Obstacle& obstacle, const Places& places);
   /// True if a point is inside one component of the cage at `places`, and inside of it only.
   bool encloses(const Places& places, const Point& x) const;
@@ -99,7 +99,8 @@ class ContactSolver {
   void add_pair(const Pair& pair, const Point& normal, std::int32_t a, std::int32_t b, double gap);
   void add_all_near(const Step& step);
   void retest(const Step& step, const Places& y);
-  void test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found) const;
+  void test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found,
+                 std::vector<std::int32_t>& scratch) const;
   void retreat(const Step& step, Places& y);
   void add_lost_cones(const Places& y);
 

@@ -65,8 +65,8 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
     const Vertices direction = checked_descent(*request.energy, state(cage));
     const double longest = direction.rowwise().norm().maxCoeff();
     if (!(longest > 0)) break;
-    // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does
-    // as well, since steps adapt.
+    // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does as
+    // well, since steps adapt.
     if (step < 0) step = request.energy->first_step().value_or(kFirstStep * edge_length(solver) / longest);
     if (step * longest < solver.options().clearance * 0.3) break;
     const double slope = -(request.energy->gradient(state(cage)).array() * direction.array()).sum();

@@ -12,8 +12,8 @@ namespace encage::makers {
 
 namespace {
 
-// Distance that the public decimators keep between strands, in diagonals. The flow works best with the first; a
-// dense mesh may have edges about as short.
+// Distance that the public decimators keep between strands, in diagonals. The flow works best with the first; a dense
+// mesh may have edges about as short.
 constexpr double kGaps[] = {1e-4, 1e-5};
 
 struct Attempt {

@@ -2,9 +2,9 @@
 #include "cagegen/flow/flow.h"
 
 #include "cagegen/flow/neighbours.h"
-#include "cagegen/flow/parallel.h"
 #include "cagegen/flow/pull.h"
 #include "cagegen/geometry/obstacle.h"
+#include "cagegen/threads/parallel.h"
 #include "src/mesh/rounding.h"
 
 #include <algorithm>
@@ -19,8 +19,8 @@ namespace {
 
 // Depth first asked for, in gaps: what conservative tests and rounding take from it.
 constexpr double kFirstDepth = 1.25;
-// Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit,
-// in diagonals.
+// Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit, in
+// diagonals.
 constexpr double kGrowth = 1.5;
 constexpr double kGreatestDepth = 0.1;
 // Longest move, in diagonals.
@@ -38,6 +38,8 @@ constexpr double kBalanced = 0.01;
 constexpr std::size_t kMostHits = 64;
 // Items between two calls of the request's check.
 constexpr std::size_t kBlock = 32768;
+// Items worth a thread.
+constexpr std::size_t kLeast = 512;
 
 class Flow {
  public:
@@ -128,7 +130,7 @@ template <class Work>
 void Flow::for_blocks(std::size_t count, const Work& work) const {
   for (std::size_t first = 0; first < count; first += kBlock) {
     if (request_.check) request_.check();
-    for_ranges(request_.threads, std::min(kBlock, count - first),
+    for_ranges(request_.threads, std::min(kBlock, count - first), kLeast,
                [&](std::size_t from, std::size_t to) { work(first + from, first + to); });
   }
 }
@@ -215,10 +217,9 @@ bool Flow::is_stretched(std::int32_t t) const {
   return !is_thin(corners(t));
 }
 
-/// Along the triangle's normal, to the end of the gap, where C^ closes: against the normals of what it hits. The
-/// walls, nearly at right angles to the triangle, count little, and where all is in balance it goes inward.
-/// Distances would draw it to either wall.
-/// (Intersection contours shrink on the same way: Volino and Magnenat-Thalmann 2006.)
+/// Along the triangle's normal, to the end of the gap, where C^ closes: against the normals of what it hits. The walls,
+/// nearly at right angles to the triangle, count little, and where all is in balance it goes inward. Distances would
+/// draw it to either wall. (Intersection contours shrink on the same way: Volino and Magnenat-Thalmann 2006.)
 Pull Flow::climb(std::int32_t t) const {
   const Corners c = corners(t);
   const Prism prism(c);
@@ -236,8 +237,8 @@ Pull Flow::climb(std::int32_t t) const {
   return result;
 }
 
-/// Average of the Newton jumps of the vertex and of the quadrature points around it, where the depth is missed.
-/// Every dirty triangle counts the same, and the vertex as much as all of them: degenerate triangles must move too.
+/// Average of the Newton jumps of the vertex and of the quadrature points around it, where the depth is missed. Every
+/// dirty triangle counts the same, and the vertex as much as all of them: degenerate triangles must move too.
 Point Flow::jump(std::int32_t v, const std::vector<Wish>& wishes) const {
   Point sum = Point::Zero();
   double weight = 0;

@@ -45,8 +45,8 @@ class FlowHistory {
 };
 
 struct FlowResult {
-  /// All of F lies inside C^ and keeps the gap (by the makers' conservative tests, which the certificate does
-  /// not rely on); else the flow stalled.
+  /// All of F lies inside C^ and keeps the gap (by the makers' conservative tests, which the certificate does not rely
+  /// on); else the flow stalled.
   bool inside = false;
   Vertices positions;  ///< of F at the end; what moved is float32
   FlowHistory history;

@@ -17,8 +17,8 @@ namespace {
 // Epsilon of eq. 6, in diagonals.
 constexpr double kEpsilon = 1e-5;
 
-/// Accepts boxes that may come as near to a point as the best so far. Boxes are float: the point is widened to
-/// the floats around it, and the bound covers the rounding of six operations.
+/// Accepts boxes that may come as near to a point as the best so far. Boxes are float: the point is widened to the
+/// floats around it, and the bound covers the rounding of six operations.
 class Ball {
  public:
   explicit Ball(const Point& p) {

@@ -35,8 +35,8 @@ class SignedDistance {
   /// The mesh is copied; it must have a triangle. Throws Error if not.
   explicit SignedDistance(const TriangleMesh& mesh, Sign sign = Sign::pseudonormal);
 
-  /// `start` is a triangle believed to be near, best the closest one of a point close by; the answer does not
-  /// depend on it, only the time.
+  /// `start` is a triangle believed to be near, best the closest one of a point close by; the answer does not depend on
+  /// it, only the time.
   Nearest nearest(const Point& p, std::int32_t start = 0) const;
 
   /// Nearer than this the direction is the normal at the closest point, epsilon of eq. 6: 1e-5 diagonals.

@@ -9,8 +9,8 @@ namespace encage::makers {
 
 namespace {
 
-// Rounding in BoxFilter, relative to the largest coordinate: six products and their sums in float,
-// each off by at most 2^-24 of a partial sum below 2 sqrt(3).
+// Rounding in BoxFilter, relative to the largest coordinate: six products and their sums in float, each off by at most
+// 2^-24 of a partial sum below 2 sqrt(3).
 constexpr double kFilterSlack = 1.5e-6;
 
 // Distance from the edge at which a triangle is lifted in full, in lifts.
@@ -203,10 +203,13 @@ void Obstacle::highest_hits(const Prism& prism, double clearance, std::size_t li
 }
 
 bool Obstacle::hit(const Prism& prism, double clearance) const {
-  thread_local std::vector<std::int32_t> found;
-  found.clear();
-  hits(prism, clearance, 1, found);
-  return !found.empty();
+  bool touched = false;
+  tree_.traverse(near(prism, clearance), [&](std::int32_t t) {
+    if (touched) return;
+    ++work();
+    touched = !separated(prism.corner, corners(t), clearance);
+  });
+  return touched;
 }
 
 double Obstacle::steepest(const Prism& prism, const Corners& t, double lift, double ceiling, double slope) {

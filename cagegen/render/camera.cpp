@@ -23,8 +23,8 @@ Eigen::Matrix3d frame_of(Axis up) {
   return frame;
 }
 
-// The best place of the eye along one axis of the picture: |x - place| <= slope * (depth + distance)
-// for all points with the smallest distance.
+// The best place of the eye along one axis of the picture: |x - place| <= slope * (depth + distance) for all points
+// with the smallest distance.
 struct Fit {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();

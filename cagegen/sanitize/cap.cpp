@@ -57,9 +57,8 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
   };
   std::stable_sort(boundary.begin(), boundary.end(), before);
   std::vector<char> used(boundary.size(), 0);
-  // The next unused edge from a vertex. Components are not mixed unless one is closed
-  // only together with another; every vertex has as many edges in as out, so that any
-  // choice ends where it began.
+  // The next unused edge from a vertex. Components are not mixed unless one is closed only together with another; every
+  // vertex has as many edges in as out, so that any choice ends where it began.
   const auto next = [&](std::int32_t from, std::int32_t component) {
     const auto is_free = [&](const BoundaryEdge& edge) { return !used[&edge - boundary.data()]; };
     const auto begin = std::lower_bound(boundary.begin(), boundary.end(), BoundaryEdge{component, from, 0, 0}, before);

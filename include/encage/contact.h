@@ -4,6 +4,7 @@
 // Continuous narrow phase: when do linearly moving triangles first touch?
 // Conservative: a contact is reported wherever its absence is not proven.
 
+#include <encage/affine_map.h>
 #include <encage/export.h>
 #include <encage/fine_lease.h>
 #include <encage/separated.h>
@@ -13,6 +14,8 @@
 #include <optional>
 
 namespace ENCAGE_EXPORT encage {
+
+class SimpleShape;
 
 struct ContactOptions {
   /// World units, >= 0: what is not proven farther apart than this counts as contact.
@@ -98,11 +101,11 @@ class PairContact {
     const Shape& whole;
     Motion whole_motion;
     FineLease lease;
-    const Shape* part = nullptr;
+    const SimpleShape* part = nullptr;
     Motion motion{};
     double slack = 0;
     std::int32_t first_triangle = 0, first_vertex = 0, triangle_count = 0;
-    std::array<Eigen::Affine3d, 2> ends{};  // local frame to the frame of the computation, start and end
+    std::array<AffineMap, 2> ends{};  // local frame to the frame of the computation, start and end
   };
 
   Side a_, b_;

@@ -21,8 +21,8 @@ struct EnergyState {
   const Vertices& cage;        ///< where the energy is asked for
 };
 
-/// Derive from it for an energy of your own. value() and gradient() must agree; they are called from one thread
-/// at a time and must not depend on anything but their arguments, or the same input gives other bytes.
+/// Derive from it for an energy of your own. value() and gradient() must agree; they are called from one thread at a
+/// time and must not depend on anything but their arguments, or the same input gives other bytes.
 class CageEnergy {
  public:
   virtual ~CageEnergy() = default;
@@ -33,11 +33,11 @@ class CageEnergy {
   virtual double value(const EnergyState& state) const = 0;
   /// d value / d cage, one row a vertex.
   virtual Vertices gradient(const EnergyState& state) const = 0;
-  /// The direction of descent, one row a vertex; contacts then filter it. By default the negative gradient, divided
-  /// by each vertex's area (a third of that of its triangles in C^).
+  /// The direction of descent, one row a vertex; contacts then filter it. By default the negative gradient, divided by
+  /// each vertex's area (a third of that of its triangles in C^).
   virtual Vertices descent(const EnergyState& state) const;
-  /// How many times the descent a first step goes; shorter ones follow where that does not lower the energy. No
-  /// value, the default: as many as move the cage by a few percent of its edges.
+  /// How many times the descent a first step goes; shorter ones follow where that does not lower the energy. No value,
+  /// the default: as many as move the cage by a few percent of its edges.
   virtual std::optional<double> first_step() const { return std::nullopt; }
 };
 
@@ -47,8 +47,8 @@ using EnergyPtr = std::shared_ptr<const CageEnergy>;
 EnergyPtr start_energy();
 /// The same from where the time step began: eq. 12. Name "step".
 EnergyPtr step_energy();
-/// Enclosed volume: eq. 13. Name "volume". Always the same object; as final energy it is followed by the tightening
-/// of single vertices.
+/// Enclosed volume: eq. 13. Name "volume". Always the same object; as final energy it is followed by the tightening of
+/// single vertices.
 EnergyPtr volume_energy();
 
 /// By name; throws Error, which lists the names, for another one.

@@ -75,15 +75,15 @@ struct TrianglePair {
 /// false if it did. All pairs, if a motion is not usable. No call if a body has no fine mesh. Throws Error, before any
 /// call, if the fine mesh of a shape of a ShapeCache cannot be read. Re-entrant; allocates nothing.
 template <class Visit>
-bool for_each_candidate(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
-                        Visit&& visit) {
-  return visit_candidates(
+bool for_each_triangle_pair(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                            double margin, Visit&& visit) {
+  return visit_triangle_pairs(
       a, motion_a, b, motion_b, margin,
       [](void* context, TrianglePair pair) { return (*static_cast<std::remove_reference_t<Visit>*>(context))(pair); },
       const_cast<void*>(static_cast<const void*>(&visit)));
 }
-/// for_each_candidate() with a plain function; visit(context, pair).
-bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
-                      bool (*visit)(void* context, TrianglePair pair), void* context);
+/// for_each_triangle_pair() with a plain function; visit(context, pair).
+bool visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
+                          bool (*visit)(void* context, TrianglePair pair), void* context);
 
 }  // namespace encage

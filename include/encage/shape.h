@@ -84,8 +84,9 @@ struct Motion {
   bool at_rest() const { return start.matrix() == end.matrix(); }
 };
 
-/// Whether queries answer about this motion at all: both poses finite and within 1e-9 of rigid, the rotation between
-/// them below 180 degrees (with 1e-6 to spare), the scale between 1e-50 and 1e50.
+/// True if queries answer about this motion: both poses are finite, do not mirror and are within 1e-9 of rigid; the
+/// rotation between them, taken the short way, is below 180 degrees (with 1e-6 to spare); the scale is between 1e-50 and
+/// 1e50.
 bool is_usable(const Motion& motion) noexcept;
 
 /// Bound of how far a point of the body leaves its straight path if the body

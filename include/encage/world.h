@@ -145,8 +145,8 @@ class World {
   /// pair of its bodies. Throws Error for a null shape or a bad margin.
   ShapeId add_shape(ShapePtr shape, double margin = 0);
 
-  /// A body at rest, awake unless it is static. Throws Error for an unknown shape, a pose that is not finite or
-  /// farther than 1e-9 from rigid, and bad options.
+  /// A body at rest, awake unless it is static. Throws Error for an unknown shape, a pose that is not finite, mirrors, or
+  /// is farther than 1e-9 from rigid, and for bad options.
   BodyId add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options = {});
 
   /// Throws Error if the normal is longer or shorter than 1 by more than 1e-9, or something is not finite.
@@ -156,10 +156,10 @@ class World {
   void remove_body(BodyId body);
   void remove_half_space(HalfSpaceId half_space);
 
-  /// What the body does in the next steps, until it is set again: rest, or move. Throws Error
-  /// for a motion that is not usable (is_usable()), e.g. one that turns by 180
-  /// degrees or more, for a static body that would not rest, and for a motion.scale that is neither 1 nor the body's,
-  /// which is taken in either case.
+  /// Rest or motion of the body in the next steps, until it is set again. The body turns the short way from the start to
+  /// the end pose: two poses do not tell 190 degrees from -170. Throws Error for a motion that is not usable
+  /// (is_usable()), e.g. one whose poses are 180 degrees apart, for a static body that would not rest, and for a
+  /// motion.scale that is neither 1 nor the body's; the body keeps its own scale in either case.
   void set_pose(BodyId body, const Eigen::Isometry3d& pose);
   void set_motion(BodyId body, const Motion& motion);
 

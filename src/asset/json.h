@@ -13,8 +13,12 @@
 
 namespace encage {
 
-/// Parses JSON nested no deeper than 64 levels. Throws Error, its message
-/// starting with `place`.
+/// Levels of brackets outside strings: how deep a text is nested, if it is JSON.
+int json_depth(std::string_view text);
+/// Deeper texts are refused: printing and copying JSON are recursive.
+constexpr int max_json_depth = 64;
+
+/// Parses JSON nested no deeper than max_json_depth. Throws Error, its message starting with `place`.
 nlohmann::json parse_json(std::string_view text, const std::string& place);
 
 /// A JSON value of a file together with its place there. Every access checks

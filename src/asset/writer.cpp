@@ -245,11 +245,15 @@ std::string encode_asset(const CageHierarchy& hierarchy, const std::string& gene
   return Encoder(hierarchy, file).encode(generator);
 }
 
-void write_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy) {
+std::string encode_asset(const CageHierarchy& hierarchy, const std::string& file) {
   const Version v = version();
   const std::string generator =
       "Encage " + std::to_string(v.major) + "." + std::to_string(v.minor) + "." + std::to_string(v.patch);
-  write_atomically(file, encode_asset(hierarchy, generator, file.string()));
+  return encode_asset(hierarchy, generator, file);
+}
+
+void write_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy) {
+  write_atomically(file, encode_asset(hierarchy, file.string()));
 }
 
 }  // namespace encage

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cassert>
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -82,7 +82,17 @@ FileImage& FileImage::operator=(FileImage&& other) noexcept {
   return *this;
 }
 
+/// The part of `part` that lies in bytes().
+std::span<const std::byte> FileImage::own(std::span<const std::byte> part) const {
+  const auto address = [](const std::byte* byte) { return reinterpret_cast<std::uintptr_t>(byte); };
+  const std::uintptr_t start = std::max(address(part.data()), address(bytes_.data()));
+  const std::uintptr_t end = std::min(address(part.data()) + part.size(), address(bytes_.data()) + bytes_.size());
+  if (start >= end) return {};
+  return bytes_.subspan(start - address(bytes_.data()), end - start);
+}
+
 void FileImage::fetch(std::span<const std::byte> part) {
+  part = own(part);
   if (mode_ == LoadMode::map) {
     const auto start = reinterpret_cast<std::uintptr_t>(part.data()) / page_size() * page_size();
     const auto end = reinterpret_cast<std::uintptr_t>(part.data()) + part.size();
@@ -90,7 +100,6 @@ void FileImage::fetch(std::span<const std::byte> part) {
     if (start < end) madvise(reinterpret_cast<void*>(start), end - start, MADV_WILLNEED);
     return;
   }
-  assert(part.empty() || (part.data() >= bytes_.data() && part.data() + part.size() <= bytes_.data() + bytes_.size()));
   if (descriptor_ < 0) {
     descriptor_ = open_file(file_);
     size_of(descriptor_, file_);
@@ -109,6 +118,7 @@ void FileImage::fetch(std::span<const std::byte> part) {
 }
 
 void FileImage::discard(std::span<const std::byte> part) noexcept {
+  part = own(part);
   const std::uintptr_t page = page_size();
   const auto start = (reinterpret_cast<std::uintptr_t>(part.data()) + page - 1) / page * page;
   const auto end = (reinterpret_cast<std::uintptr_t>(part.data()) + part.size()) / page * page;

@@ -26,15 +26,18 @@ class FileImage {
   LoadMode mode() const { return mode_; }
 
   /// Of a copy: reads a part of bytes() from the file, which is opened again if it was closed. Throws Error naming the
-  /// file and the reason; the part's content is then unspecified. Of a map: lets the system read it ahead.
+  /// file and the reason; the content of the part is then unspecified. Of a map: lets the system read it ahead. Memory
+  /// outside bytes() is left alone, here and in discard().
   void fetch(std::span<const std::byte> part);
-  /// Gives the memory of the pages that lie wholly in a part of bytes() back. Of a copy they are zeros until fetched
-  /// again; a map finds them in the file.
+  /// Gives back the memory of the pages that lie wholly in a part of bytes(). In a copy they are zeros until they are
+  /// fetched again; a map finds them in the file.
   void discard(std::span<const std::byte> part) noexcept;
   /// Closes the file of a copy; a map has none open.
   void close() noexcept;
 
  private:
+  std::span<const std::byte> own(std::span<const std::byte> part) const;
+
   std::filesystem::path file_;
   LoadMode mode_ = LoadMode::map;
   int descriptor_ = -1;  // of a copy

@@ -107,10 +107,12 @@ Eigen::Vector3d local_origin(const Eigen::AlignedBox3d& bounds) {
   const double diagonal = bounds.diagonal().norm();
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(centre[axis]) <= 4 * diagonal) continue;
+    origin[axis] = centre[axis];
+    if (!(diagonal > 0)) continue;  // a single point, or beyond double
     // Half a diagonal of freedom: a coarse power of two keeps the origin short in print.
     const double step = std::ldexp(1.0, std::ilogb(diagonal) - 2);
     const double rounded = std::nearbyint(centre[axis] / step) * step;
-    origin[axis] = std::isfinite(rounded) ? rounded : centre[axis];
+    if (std::isfinite(rounded)) origin[axis] = rounded;
   }
   return origin;
 }

@@ -7,13 +7,14 @@
 
 namespace encage {
 
-/// Places of closest points on two segments, 0 at their starts and 1 at their ends, up to rounding.
-struct SegmentPlaces {
+/// Parameters of closest points on two segments, 0 at their starts and 1 at their ends, up to rounding.
+struct SegmentParameters {
   double s = 0, t = 0;
 };
 
 /// Segments p0 + s u and q0 + t v; `w` is p0 - q0.
-inline SegmentPlaces closest_places(const Eigen::Vector3d& u, const Eigen::Vector3d& v, const Eigen::Vector3d& w) {
+inline SegmentParameters closest_parameters(const Eigen::Vector3d& u, const Eigen::Vector3d& v,
+                                            const Eigen::Vector3d& w) {
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
   const double determinant = uu * vv - uv * uv;
   const auto ratio = [](double numerator, double denominator) {

@@ -34,7 +34,7 @@ class Side {
       : fine_(mesh.shape.fine),
         scale_(static_cast<float>(mesh.scale)),
         growth_(static_cast<float>(mesh.growth)),
-        origin_((mesh.scale * mesh.shape.origin).cast<float>()) {}
+        origin_((mesh.scale * mesh.shape.frame.origin).cast<float>()) {}
 
   struct NodeBoxes {
     std::array<Lanes, 3> centre, half;
@@ -190,8 +190,8 @@ bool boxes_may_overlap(const BoxedMesh& a, const BoxedMesh& b, const Eigen::Isom
   FineLease lease_a, lease_b;
   if (!a.shape.has_fine() || !b.shape.has_fine() || !lease_a.take(a.shape) || !lease_b.take(b.shape)) return true;
   // All in float: its rounding, of numbers up to the sum of all sizes.
-  const double size = a.scale * (a.shape.radius + a.shape.origin.norm()) + a.growth +
-                      b.scale * (b.shape.radius + b.shape.origin.norm()) + b.growth + b_to_a.translation().norm();
+  const double size = a.scale * a.shape.frame.reach() + a.growth + b.scale * b.shape.frame.reach() + b.growth +
+                      b_to_a.translation().norm();
   const double all = slack + 64 * 0x1p-24 * size;
   if (!(size <= 1e30 && size >= 1e-30)) return true;
   return Traversal(a, b, b_to_a, static_cast<float>(all * (1 + 1e-6))).finds_overlap();

@@ -9,7 +9,7 @@ namespace encage::bullet {
 
 /// A fine mesh, and by how much boxes of triangles are wider than the triangles to each side.
 struct ENCAGE_HIDDEN BoxedMesh {
-  const Shape& shape;
+  const SimpleShape& shape;
   double scale;
   double growth;
 };

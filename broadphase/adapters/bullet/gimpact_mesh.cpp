@@ -51,17 +51,17 @@ double distance_from_centroid(const Eigen::Vector3d& x, const std::array<Eigen::
 }
 
 /// How far the box of a triangle reaches beyond the fine mesh's triangle of that number.
-double growth_of(const Eigen::AlignedBox3d& box, int triangle, const GImpactMesh& measured, const Shape& shape) {
+double growth_of(const Eigen::AlignedBox3d& box, int triangle, const GImpactMesh& measured, const SimpleShape& shape) {
   const auto number = static_cast<std::size_t>(triangle);
   if (number >= shape.fine.mesh.triangles.size()) return std::numeric_limits<double>::infinity();
   Eigen::AlignedBox3d fine;
   for (const std::uint32_t v : shape.fine.mesh.triangles[number]) {
-    fine.extend(measured.scale * (shape.origin + shape.fine.vertex(static_cast<std::int32_t>(v))));
+    fine.extend(measured.scale * (shape.frame.origin + shape.fine.vertex(static_cast<std::int32_t>(v))));
   }
   return std::max((fine.min() - box.min()).maxCoeff(), (box.max() - fine.max()).maxCoeff());
 }
 
-void measure_boxes(const btGImpactMeshShapePart& part, const Shape& shape, GImpactMesh& measured) {
+void measure_boxes(const btGImpactMeshShapePart& part, const SimpleShape& shape, GImpactMesh& measured) {
   const btGImpactBoxSet& tree = *part.getBoxSet();
   for (int node = 0; node < tree.getNodeCount(); ++node) {
     if (!tree.isLeafNode(node)) continue;
@@ -117,10 +117,11 @@ double uniform_scale(const btGImpactMeshShape& mesh) {
 
 /// The mesh, in the unit of the asset, has to have the asset's box, if that stores the fine mesh, and to lie in the
 /// finest cage's in any case. Vertices are rounded to float, the asset's box to 16 bits.
-void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, const Shape& shape) {
+void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, const SimpleShape& shape) {
   const Eigen::AlignedBox3d box(scaled.min() / measured.scale, scaled.max() / measured.scale);
   const Surface& outer = shape.outer();
-  const Eigen::AlignedBox3d asset(outer.lower.cast<double>() + shape.origin, outer.upper.cast<double>() + shape.origin);
+  const Eigen::AlignedBox3d asset(outer.lower.cast<double>() + shape.frame.origin,
+                                  outer.upper.cast<double>() + shape.frame.origin);
   const double tolerance =
       2 * shape.fine_error +
       1e-4 * (asset.min().cwiseAbs().maxCoeff() + asset.max().cwiseAbs().maxCoeff() + measured.radius / measured.scale);
@@ -138,8 +139,9 @@ void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, c
 
 }  // namespace
 
-GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& shape) {
-  if (!shape.parts.empty()) throw Error("Bullet mesh: the shape to attach is a compound; attach a simple one");
+GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& attached) {
+  if (attached.is_compound()) throw Error("Bullet mesh: the shape to attach is a compound; attach a simple one");
+  const SimpleShape& shape = attached.simple();
   const FineLease lease(shape);
   if (mesh.getMeshPartCount() == 0) throw Error("Bullet mesh: has no triangles");
   GImpactMesh measured;

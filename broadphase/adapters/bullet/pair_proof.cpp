@@ -35,7 +35,7 @@ Motion resting(const Rotation& rotation, const Eigen::Vector3d& translation, dou
 }
 
 /// Bullet's vertices are the source's rounded; in the table of the guarantee.
-double vertex_error(const AttachedMesh& a) { return a.shape->fine_error * a.mesh.scale; }
+double vertex_error(const AttachedMesh& a) { return a.shape->simple().fine_error * a.mesh.scale; }
 
 constexpr double roundings = 64 * unit_roundoff;  // of the sum of all lengths that take part
 constexpr double up = 1 + 1e-12;                  // of these computations themselves
@@ -56,8 +56,9 @@ bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const A
   const double distance = question.false_contacts ? std::max(contact, boxes) : contact;
   if (separated(*a.shape, motion_a, *b.shape, motion_b, (distance + slack) * up).separated) return true;
   if (!question.false_contacts || question.extra > 0) return false;
-  return !boxes_may_overlap({*a.shape, a.mesh.scale, a.mesh.growth}, {*b.shape, b.mesh.scale, b.mesh.growth},
-                            motion_a.start.inverse() * motion_b.start, slack * up);
+  return !boxes_may_overlap({a.shape->simple(), a.mesh.scale, a.mesh.growth},
+                            {b.shape->simple(), b.mesh.scale, b.mesh.growth}, motion_a.start.inverse() * motion_b.start,
+                            slack * up);
 }
 
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const btStaticPlaneShape& plane,

@@ -60,12 +60,12 @@ inline std::vector<BodyPair> exact_pairs(const encage::test::Sample& sample, con
 }
 
 /// What engines are made of.
-inline Body body_of(const encage::test::Sample& sample) {
+inline ReplayBody body_of(const encage::test::Sample& sample) {
   return {sample.hierarchy.fine, make_shape(sample.hierarchy), static_cast<int>(sample.hierarchy.levels.size()), true};
 }
 
 /// The same for a mesh without cages.
-inline Body body_of(const TriangleMesh& mesh) {
+inline ReplayBody body_of(const TriangleMesh& mesh) {
   encage::test::Sample bare = encage::test::without_cages(sample("box"));
   bare.hierarchy.fine = mesh;
   return body_of(bare);

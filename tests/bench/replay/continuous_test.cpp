@@ -9,16 +9,16 @@
 namespace encage::replay {
 namespace {
 
-tank::RecordedBody moving(std::int32_t body, double from, double to) {
+bench::RecordedBody moving(std::int32_t body, double from, double to) {
   return {body, {test::body_at(body, from).pose, test::body_at(body, to).pose}};
 }
 
 TEST(Continuous, CountsPairsAndContacts) {
-  const Body body = test::body_of(shapes::cube(1));
+  const ReplayBody body = test::body_of(shapes::cube(1));
   // 0 passes through 1; 2 overlaps 3 at the start; 4 follows 5 without reaching it.
-  const tank::Recording recording{1,
-                                  {{0, {moving(0, 0, 20), moving(1, 10, 10)}},
-                                   {1, {moving(2, 0, 1), moving(3, 1, 1), moving(4, 10, 15), moving(5, 13, 18)}}}};
+  const bench::Recording recording{1,
+                                   {{0, {moving(0, 0, 20), moving(1, 10, 10)}},
+                                    {1, {moving(2, 0, 1), moving(3, 1, 1), moving(4, 10, 15), moving(5, 13, 18)}}}};
   const Continuous result = continuous(*body.shape, recording, {{}, {{2, 3}}}, 2);
   EXPECT_EQ(result.steps, 2);
   EXPECT_EQ(result.left_out, 1);
@@ -30,8 +30,8 @@ TEST(Continuous, CountsPairsAndContacts) {
 }
 
 TEST(Continuous, ReportsProgress) {
-  const Body body = test::body_of(shapes::cube(1));
-  const tank::Recording recording{1, {{0, {moving(0, 0, 1)}}, {1, {moving(0, 1, 2)}}}};
+  const ReplayBody body = test::body_of(shapes::cube(1));
+  const bench::Recording recording{1, {{0, {moving(0, 0, 1)}}, {1, {moving(0, 1, 2)}}}};
   std::vector<double> fractions;
   continuous(*body.shape, recording, {{}, {}}, 2, [&](double fraction) { fractions.push_back(fraction); });
   EXPECT_EQ(fractions, (std::vector<double>{0.5, 1}));

@@ -17,7 +17,7 @@ namespace {
 
 class Engines : public testing::TestWithParam<std::string> {
  protected:
-  static std::unique_ptr<Engine> make(const Body& body) {
+  static std::unique_ptr<Engine> make(const ReplayBody& body) {
     std::vector<std::unique_ptr<Engine>> engines = make_engines(GetParam(), body);
     EXPECT_EQ(engines.size(), 1U);
     EXPECT_EQ(engines[0]->name(), GetParam());
@@ -44,7 +44,7 @@ TEST_P(Engines, FindThePairsThatTouch) {
   for (const char* name : {"star", "u", "torus"}) {
     SCOPED_TRACE(name);
     const encage::test::Sample sample = test::sample(name);
-    const Body body = test::body_of(sample);
+    const ReplayBody body = test::body_of(sample);
     const CageGate cages(body.shape, 0);
     const FineGate full(body.shape);
     const auto engine = make(body);
@@ -63,7 +63,7 @@ TEST_P(Engines, FindThePairsThatTouch) {
 
 TEST_P(Engines, TellTouchFromNear) {
   // Two-unit cubes, turned so that nothing is parallel to an axis.
-  const Body body = test::body_of(shapes::cube(1));
+  const ReplayBody body = test::body_of(shapes::cube(1));
   const auto engine = make(body);
   const Eigen::Isometry3d turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
   const auto pairs = [&](double x) {
@@ -82,7 +82,7 @@ TEST_P(Engines, TellTouchFromNear) {
 
 TEST_P(Engines, OnlyEncageSeesABodyInsideAnother) {
   // A small cube and a large one: moved by their offset, the small one is inside the other body's large one.
-  const Body body = test::body_of(shapes::joined(shapes::cube(0.25), shapes::cube(1, {6, 0, 0})));
+  const ReplayBody body = test::body_of(shapes::joined(shapes::cube(0.25), shapes::cube(1, {6, 0, 0})));
   const auto engine = make(body);
   const PoseStep step{0, {test::body_at(0, 0), test::body_at(1, 6)}};
   const std::size_t found = engine->touching({step}).size();
@@ -102,7 +102,7 @@ TEST_P(Engines, TestNoTrianglesOfWhatTheGateRejects) {
 }
 
 TEST_P(Engines, LeaveOutWhatIsNotAskedFor) {
-  const Body body = test::body_of(test::sample("star"));
+  const ReplayBody body = test::body_of(test::sample("star"));
   const auto engine = make(body);
   const PoseStep step{0, {test::body_at(0, 0), test::body_at(1, 0.5), test::body_at(2, 1)}};
   const std::vector<BodyPair> left_out = {{0, 1}, {1, 2}};
@@ -127,7 +127,7 @@ TEST(MakeEngines, EmbreeIsBothWaysToUpdate) {
 TEST(MakeEngines, RefusesUnknownNames) { EXPECT_THROW(make_engines("magic", test::body_of(shapes::cube(1))), Error); }
 
 TEST(MakeEngines, OnlyEncageGainsNothingFromItsOwnTest) {
-  const Body body = test::body_of(test::sample("star"));
+  const ReplayBody body = test::body_of(test::sample("star"));
   const FineGate full(body.shape);
   const CageGate cages(body.shape, 0);
   EXPECT_FALSE(make_engines("encage", body)[0]->gains_from(full));

@@ -31,8 +31,8 @@ std::vector<Faults> compare_with(const Judge& judge, const std::vector<Detection
   return compare({}, pointers, judge);
 }
 
-std::optional<double> believe(const RecordedStep&, const BodyContact& contact) { return contact.contact.time; }
-std::optional<double> refute(const RecordedStep&, const BodyContact&) { return std::nullopt; }
+std::optional<double> believe(const bench::RecordedStep&, const BodyContact& contact) { return contact.contact.time; }
+std::optional<double> refute(const bench::RecordedStep&, const BodyContact&) { return std::nullopt; }
 
 TEST(Compare, EqualAnswersHaveNoFaults) {
   const Detection answer = detection({{0, 1, 0.5}, {2, 7, 0.25}});
@@ -59,7 +59,7 @@ TEST(Compare, AContactThatDoesNotHappenIsSpurious) {
 }
 
 TEST(Compare, ATimeTooEarlyIsSpurious) {
-  const Judge at_half = [](const RecordedStep&, const BodyContact&) { return std::optional(0.5); };
+  const Judge at_half = [](const bench::RecordedStep&, const BodyContact&) { return std::optional(0.5); };
   const std::vector<Faults> faults =
       compare_with(at_half, {detection({{0, 1, 0.4}}), detection({{0, 1, 0.5 - 0.5 * time_tolerance}})});
   EXPECT_EQ(faults[0], (Faults{0, 1}));

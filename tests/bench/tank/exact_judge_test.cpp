@@ -9,7 +9,7 @@ namespace encage::tank {
 namespace {
 
 /// A box that falls by 1 onto the corner of one at rest below, turned so that a vertex meets a face.
-RecordedStep fall(double gap) {
+bench::RecordedStep fall(double gap) {
   Motion resting, falling;
   falling.start.linear() =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(1, 1, 1), -Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -25,7 +25,7 @@ TEST(ExactJudge, ConfirmsRealContactsOfEveryKind) {
   Strategy strategy = make_strategy(body, Baseline::rebuild_kdop, CageUse::never);
   int kinds[3] = {0, 0, 0};
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
-    const RecordedStep step = test::crowded_step(0, seed);
+    const bench::RecordedStep step = test::crowded_step(0, seed);
     for (const BodyContact& contact : strategy.detect(step).contacts) {
       const auto time = judge(step, contact);
       ASSERT_TRUE(time.has_value());
@@ -43,7 +43,7 @@ TEST(ExactJudge, RefutesFeaturesThatDoNotMeet) {
   const TankBody body = test::sample_body("box");
   const Judge judge = exact_judge(body, {});
   Strategy strategy = make_strategy(body, Baseline::prebuilt, CageUse::never);
-  const RecordedStep step = fall(0.5);
+  const bench::RecordedStep step = fall(0.5);
   std::vector<BodyContact> contacts = strategy.detect(step).contacts;
   ASSERT_EQ(contacts.size(), 1U);
   EXPECT_EQ(contacts[0].contact.kind, ContactKind::face_vertex);
@@ -59,7 +59,7 @@ TEST(ExactJudge, MindsTheMargin) {
   StrategyOptions options;
   options.contact.margin = 0.01;
   Strategy strategy = make_strategy(body, Baseline::prebuilt, CageUse::never, options);
-  const RecordedStep step = fall(1.005);
+  const bench::RecordedStep step = fall(1.005);
   const std::vector<BodyContact> contacts = strategy.detect(step).contacts;
   ASSERT_EQ(contacts.size(), 1U);
   EXPECT_FALSE(exact_judge(body, {})(step, contacts[0]).has_value());

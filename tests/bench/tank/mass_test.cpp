@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/mass.h"
 
-#include "bench/tank/octopus.h"
+#include "bench/octopus/octopus.h"
 #include "oracles/meshes.h"
 #include "src/mesh/portable_trig.h"
 
@@ -86,7 +86,7 @@ TEST(Mass, TurnsAndMovesWithTheMesh) {
 }
 
 TEST(Mass, OfTheOctopusIsCentredAndPlausible) {
-  const MassProperties m = mass_properties(make_octopus(fewest_octopus_faces));
+  const MassProperties m = mass_properties(octopus::make_octopus(octopus::fewest_octopus_faces));
   EXPECT_LT(largest(m.centre), 1e-6);
   EXPECT_NEAR(m.radius, 1, 1e-6);
   expect_right_handed_and_orthonormal(m.axes);

@@ -14,8 +14,8 @@
 namespace encage::tank {
 namespace {
 
-Recording crowd(std::int64_t steps) {
-  Recording recording{1, {}};
+bench::Recording crowd(std::int64_t steps) {
+  bench::Recording recording{1, {}};
   for (std::int64_t i = 0; i < steps; ++i) {
     recording.steps.push_back(test::crowded_step(i, static_cast<std::uint32_t>(i)));
   }
@@ -30,7 +30,7 @@ class Measured : public testing::Test {
   }
 
   TankBody body = test::sample_body("star");
-  Recording recording = crowd(9);
+  bench::Recording recording = crowd(9);
   MeasureOptions options;
 };
 
@@ -58,8 +58,8 @@ TEST_F(Measured, CountsBodiesOverAllSteps) {
            with = make_strategy(body, Baseline::prebuilt, CageUse::always);
   std::int64_t bodies = 0, bodies_with_cages = 0, oracle = 0, left_out = 0;
   StageCounts counts;
-  for (const RecordedStep& step : recording.steps) {
-    const std::vector<BodyPair> out = pairs_in_contact_at_start(body, step);
+  for (const bench::RecordedStep& step : recording.steps) {
+    const std::vector<IndexPair> out = pairs_in_contact_at_start(body, step);
     left_out += static_cast<std::int64_t>(out.size());
     bodies += without.detect(step, out).bodies;
     const Detection detection = with.detect(step, out);
@@ -82,7 +82,7 @@ TEST_F(Measured, CountsBodiesOverAllSteps) {
 
 TEST_F(Measured, AsksTheJudgeAboutEveryContact) {
   std::int64_t asked = 0;
-  options.judge = [&](const RecordedStep&, const BodyContact&) {
+  options.judge = [&](const bench::RecordedStep&, const BodyContact&) {
     ++asked;
     return std::optional<double>();
   };
@@ -101,11 +101,11 @@ TEST_F(Measured, WithoutSampleNothingIsRebuilt) {
 }
 
 TEST_F(Measured, PairsInContactAtTheStartAreLeftOut) {
-  RecordedStep step = recording.steps[0];
+  bench::RecordedStep step = recording.steps[0];
   step.bodies[4].motion = step.bodies[1].motion;
-  const std::vector<BodyPair> pairs = pairs_in_contact_at_start(body, step);
+  const std::vector<IndexPair> pairs = pairs_in_contact_at_start(body, step);
   EXPECT_TRUE(std::is_sorted(pairs.begin(), pairs.end()));
-  EXPECT_TRUE(std::binary_search(pairs.begin(), pairs.end(), BodyPair{1, 4}));
+  EXPECT_TRUE(std::binary_search(pairs.begin(), pairs.end(), IndexPair{1, 4}));
 }
 
 TEST_F(Measured, ReportsProgressOfEachStage) {
@@ -117,14 +117,6 @@ TEST_F(Measured, ReportsProgressOfEachStage) {
   };
   measure(body, recording, options);
   EXPECT_EQ(stages.size(), 4U);
-}
-
-TEST(EvenlySpread, CoversTheRange) {
-  EXPECT_EQ(evenly_spread(10, 5), (std::vector<std::int64_t>{1, 3, 5, 7, 9}));
-  EXPECT_EQ(evenly_spread(3, 7), (std::vector<std::int64_t>{0, 1, 2}));
-  EXPECT_EQ(evenly_spread(1000, 1), (std::vector<std::int64_t>{500}));
-  EXPECT_TRUE(evenly_spread(0, 4).empty());
-  EXPECT_TRUE(evenly_spread(4, 0).empty());
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace {
 MassProperties body() { return mass_properties(shapes::box({0, 0, 0}, {0.5, 1, 1.5})); }
 
 TEST(Scene, NamesGoBothWays) {
-  for (const Scene scene : {Scene::drop, Scene::bouncing, Scene::resting}) EXPECT_EQ(scene_named(name(scene)), scene);
+  for (const TankScene scene : {TankScene::drop, TankScene::bouncing, TankScene::resting})
+    EXPECT_EQ(scene_named(name(scene)), scene);
   EXPECT_THROW(scene_named("swim"), Error);
 }
 
@@ -25,30 +26,30 @@ TEST(Scene, RefusesNonsenseByName) {
                           infinity = std::numeric_limits<double>::infinity();
   struct Case {
     const char* option;
-    std::function<void(SceneOptions&)> change;
+    std::function<void(TankOptions&)> change;
   };
   const std::vector<Case> cases = {
-      {"bodies", [](SceneOptions& o) { o.bodies = 0; }},
-      {"bodies", [](SceneOptions& o) { o.bodies = 10'001; }},
-      {"dt", [](SceneOptions& o) { o.dt = 0; }},
-      {"dt", [](SceneOptions& o) { o.dt = nan; }},
-      {"dt", [](SceneOptions& o) { o.dt = 0.2; }},
-      {"seconds", [](SceneOptions& o) { o.seconds = 0; }},
-      {"seconds", [](SceneOptions& o) { o.seconds = infinity; }},
-      {"seconds", [](SceneOptions& o) { o.dt = 1e-4, o.seconds = 1e4; }},
-      {"drop interval", [](SceneOptions& o) { o.drop_interval = -1; }},
-      {"drop interval", [](SceneOptions& o) { o.drop_interval = nan; }},
-      {"restitution", [](SceneOptions& o) { o.restitution = 1.01; }},
-      {"restitution", [](SceneOptions& o) { o.restitution = -0.1; }},
-      {"gravity", [](SceneOptions& o) { o.gravity = -1; }},
-      {"gravity", [](SceneOptions& o) { o.gravity = infinity; }},
-      {"floor height", [](SceneOptions& o) { o.floor_height = nan; }},
-      {"rest height", [](SceneOptions& o) { o.rest_height = -1; }},
-      {"half width", [](SceneOptions& o) { o.half_width = 0.5; }},
-      {"half width", [](SceneOptions& o) { o.half_width = nan; }},
+      {"bodies", [](TankOptions& o) { o.bodies = 0; }},
+      {"bodies", [](TankOptions& o) { o.bodies = 10'001; }},
+      {"dt", [](TankOptions& o) { o.dt = 0; }},
+      {"dt", [](TankOptions& o) { o.dt = nan; }},
+      {"dt", [](TankOptions& o) { o.dt = 0.2; }},
+      {"seconds", [](TankOptions& o) { o.seconds = 0; }},
+      {"seconds", [](TankOptions& o) { o.seconds = infinity; }},
+      {"seconds", [](TankOptions& o) { o.dt = 1e-4, o.seconds = 1e4; }},
+      {"drop interval", [](TankOptions& o) { o.drop_interval = -1; }},
+      {"drop interval", [](TankOptions& o) { o.drop_interval = nan; }},
+      {"restitution", [](TankOptions& o) { o.restitution = 1.01; }},
+      {"restitution", [](TankOptions& o) { o.restitution = -0.1; }},
+      {"gravity", [](TankOptions& o) { o.gravity = -1; }},
+      {"gravity", [](TankOptions& o) { o.gravity = infinity; }},
+      {"floor height", [](TankOptions& o) { o.floor_height = nan; }},
+      {"rest height", [](TankOptions& o) { o.rest_height = -1; }},
+      {"half width", [](TankOptions& o) { o.half_width = 0.5; }},
+      {"half width", [](TankOptions& o) { o.half_width = nan; }},
   };
   for (const Case& c : cases) {
-    SceneOptions options;
+    TankOptions options;
     c.change(options);
     try {
       validate(options, mass);
@@ -62,7 +63,7 @@ TEST(Scene, RefusesNonsenseByName) {
 
 TEST(Scene, BodiesEnterAboveTheOthersAndInsideTheWalls) {
   const MassProperties mass = body();
-  SceneOptions options;
+  TankOptions options;
   options.half_width = 1.5 * mass.radius;
   Entries entries(options, mass);
   double mean = 0;
@@ -83,7 +84,7 @@ TEST(Scene, BodiesEnterAboveTheOthersAndInsideTheWalls) {
 
 TEST(Scene, EntriesDependOnTheSeedAlone) {
   const MassProperties mass = body();
-  SceneOptions options;
+  TankOptions options;
   Entries once(options, mass), again(options, mass);
   options.seed = 2;
   Entries other(options, mass);
@@ -120,15 +121,15 @@ TEST(Scene, WallsLookInwards) {
 
 TEST(Scene, OnlyBouncingFeedsAndOnlyRestingDrains) {
   const MassProperties mass = body();
-  SceneOptions options;
+  TankOptions options;
   const double floor = mass.mass * options.gravity * options.floor_height * mass.radius;
   EXPECT_EQ(velocity_factor(options, mass, 0.1 * floor, 9), 1);
-  options.scene = Scene::bouncing;
+  options.scene = TankScene::bouncing;
   EXPECT_GT(velocity_factor(options, mass, 0.1 * floor, 9), 1);
   EXPECT_LT(velocity_factor(options, mass, 0.1 * floor, 9), 1.01);
   EXPECT_EQ(velocity_factor(options, mass, 1.1 * floor, 9), 1);
   EXPECT_EQ(velocity_factor(options, mass, 0, 9), 1);
-  options.scene = Scene::resting;
+  options.scene = TankScene::resting;
   EXPECT_LT(velocity_factor(options, mass, floor, 9), 1);
   EXPECT_GT(velocity_factor(options, mass, floor, 9), 0.9);
   EXPECT_GT(velocity_factor(options, mass, floor, 0.1), velocity_factor(options, mass, floor, 1)) << "smoothly";

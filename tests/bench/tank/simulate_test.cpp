@@ -25,8 +25,8 @@ ShapePtr shape_of(const TriangleMesh& mesh) {
 
 TriangleMesh ring() { return in_float(shapes::torus(0.7, 0.25, 8, 5)); }
 
-SceneOptions few(int bodies, double seconds) {
-  SceneOptions options;
+TankOptions few(int bodies, double seconds) {
+  TankOptions options;
   options.bodies = bodies;
   options.seconds = seconds;
   options.drop_interval = 0.3;
@@ -56,7 +56,7 @@ class BruteForce : public ShapeDetector {
 TEST(Simulate, GivesTheSameBitsTwiceAndOthersForAnotherSeed) {
   const TriangleMesh mesh = ring();
   const MassProperties mass = mass_properties(mesh);
-  SceneOptions options = few(4, 2);
+  TankOptions options = few(4, 2);
   const Simulation once = simulate(shape_of(mesh), mass, options), again = simulate(shape_of(mesh), mass, options);
   EXPECT_EQ(once.trajectory_hash, again.trajectory_hash);
   EXPECT_GT(once.statistics.filter.conflicts, 10);
@@ -67,7 +67,7 @@ TEST(Simulate, GivesTheSameBitsTwiceAndOthersForAnotherSeed) {
 TEST(Simulate, EqualsBruteForceDetection) {
   const TriangleMesh mesh = ring();
   const MassProperties mass = mass_properties(mesh);
-  const SceneOptions options = few(4, 1.5);
+  const TankOptions options = few(4, 1.5);
   const ShapePtr shape = shape_of(mesh);
   const Simulation fast = simulate(shape, mass, options);
   const Simulation slow = simulate(BruteForce(shape, mesh.triangles.rows(), mass.centre), mass, options);
@@ -79,7 +79,7 @@ TEST(Simulate, EqualsBruteForceDetection) {
 TEST(Simulate, RecordsWhatWasTriedAndCommitted) {
   const TriangleMesh mesh = ring();
   const MassProperties mass = mass_properties(mesh);
-  const SceneOptions options = few(4, 1.5);
+  const TankOptions options = few(4, 1.5);
   const Simulation s = simulate(shape_of(mesh), mass, options);
   ASSERT_EQ(s.recording.steps.size(), 720U);
   ASSERT_EQ(s.poses.size(), 721U);
@@ -87,7 +87,7 @@ TEST(Simulate, RecordsWhatWasTriedAndCommitted) {
   EXPECT_EQ(s.statistics.energy.size(), 720U);
   int differences = 0;
   for (std::size_t k = 0; k < s.recording.steps.size(); ++k) {
-    const RecordedStep& step = s.recording.steps[k];
+    const bench::RecordedStep& step = s.recording.steps[k];
     EXPECT_EQ(step.step, static_cast<std::int64_t>(k));
     EXPECT_EQ(s.poses[k].step, static_cast<std::int64_t>(k));
     ASSERT_EQ(step.bodies.size(), std::min<std::size_t>(k / 144 + 1, 4));
@@ -106,7 +106,7 @@ TEST(Simulate, RecordsWhatWasTriedAndCommitted) {
 TEST(Simulate, ABallBouncesInTheTank) {
   const TriangleMesh mesh = in_float(shapes::sphere(3));
   const MassProperties mass = mass_properties(mesh);
-  SceneOptions options = few(2, 3);
+  TankOptions options = few(2, 3);
   options.half_width = 1.5;
   const Simulation s = simulate(shape_of(mesh), mass, options);
   double lowest = 1e9;
@@ -127,8 +127,8 @@ TEST(Simulate, ABallBouncesInTheTank) {
 TEST(Simulate, LedgerOfTheEnergy) {
   const TriangleMesh mesh = ring();
   const MassProperties mass = mass_properties(mesh);
-  for (const Scene scene : {Scene::drop, Scene::bouncing, Scene::resting}) {
-    SceneOptions options = few(3, 3);
+  for (const TankScene scene : {TankScene::drop, TankScene::bouncing, TankScene::resting}) {
+    TankOptions options = few(3, 3);
     options.scene = scene;
     options.restitution = 0.9;
     const Statistics s = simulate(shape_of(mesh), mass, options).statistics;
@@ -136,10 +136,10 @@ TEST(Simulate, LedgerOfTheEnergy) {
     EXPECT_GT(s.energy_lost, 0.05 * s.energy_entered);
     EXPECT_NEAR(total, s.energy_entered + s.energy_added - s.energy_lost + s.energy_drift, 1e-9);
     EXPECT_LT(std::abs(s.energy_drift), 1e-3 * s.energy_lost) << name(scene);
-    if (scene == Scene::drop) {
+    if (scene == TankScene::drop) {
       EXPECT_EQ(s.energy_added, 0);
     } else {
-      EXPECT_EQ(s.energy_added > 0, scene == Scene::bouncing);
+      EXPECT_EQ(s.energy_added > 0, scene == TankScene::bouncing);
     }
   }
 }
@@ -147,15 +147,15 @@ TEST(Simulate, LedgerOfTheEnergy) {
 TEST(Simulate, BouncingGoesOnAndRestingComesToRest) {
   const MassProperties mass = mass_properties(shapes::sphere(3));
   const BallDetector balls(mass.radius);
-  SceneOptions options = few(5, 8);
+  TankOptions options = few(5, 8);
   options.restitution = 0.8;
   const double unit = mass.mass * options.gravity * mass.radius * options.bodies;
-  options.scene = Scene::bouncing;
+  options.scene = TankScene::bouncing;
   const Statistics bouncing = simulate(balls, mass, options).statistics;
   for (std::size_t k = bouncing.energy.size() / 2; k < bouncing.energy.size(); ++k) {
     ASSERT_GT(bouncing.energy[k].kinetic, 0.7 * unit * options.floor_height);
   }
-  options.scene = Scene::resting;
+  options.scene = TankScene::resting;
   const Statistics resting = simulate(balls, mass, options).statistics;
   EXPECT_LT(resting.energy.back().kinetic, 1.5 * options.rest_height * unit);
   EXPECT_LT(resting.energy.back().potential, 0.9 * bouncing.energy.back().potential);
@@ -164,7 +164,7 @@ TEST(Simulate, BouncingGoesOnAndRestingComesToRest) {
 TEST(Simulate, BodiesNeverInterpenetrateUnlessTold) {
   const TriangleMesh mesh = ring();
   const MassProperties mass = mass_properties(mesh);
-  SceneOptions options = few(6, 3);
+  TankOptions options = few(6, 3);
   const auto sampled = [&](const Simulation& s) {
     std::int64_t count = 0;
     for (std::size_t k = 0; k < s.poses.size(); k += 24) count += interpenetrations(mesh, s.poses[k]);
@@ -178,8 +178,8 @@ TEST(Simulate, BodiesNeverInterpenetrateUnlessTold) {
 TEST(Simulate, JammedBodiesAreHeldAndStayApart) {
   const TriangleMesh mesh = ring();
   const MassProperties mass = mass_properties(mesh);
-  SceneOptions options = few(6, 5);
-  options.scene = Scene::resting;
+  TankOptions options = few(6, 5);
+  options.scene = TankScene::resting;
   options.rest_height = 0;
   options.restitution = 0;
   options.dt = 1.0 / 120;
@@ -197,10 +197,10 @@ TEST(Simulate, ReportsProgressAndCanBeCancelled) {
   const BallDetector balls(mass.radius);
   std::vector<double> seen;
   std::atomic<bool> cancel = false;
-  Context context;
+  SimulationContext context;
   context.progress = [&](double fraction) { seen.push_back(fraction); };
   context.cancel = &cancel;
-  const SceneOptions options = few(1, 0.1);
+  const TankOptions options = few(1, 0.1);
   simulate(balls, mass, options, context);
   EXPECT_EQ(seen.size(), 48U);
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));

@@ -18,7 +18,8 @@ namespace {
 constexpr Baseline baselines[] = {Baseline::rebuild_kdop, Baseline::rebuild_embree, Baseline::prebuilt};
 
 /// All pairs of triangles of all pairs of bodies.
-std::vector<BodyContact> brute_force(const TankBody& body, const RecordedStep& step, const ContactOptions& options) {
+std::vector<BodyContact> brute_force(const TankBody& body, const bench::RecordedStep& step,
+                                     const ContactOptions& options) {
   std::vector<BodyContact> contacts;
   const auto triangles = static_cast<std::int32_t>(body.mesh.mesh.triangles.rows());
   for (std::size_t i = 0; i < step.bodies.size(); ++i) {
@@ -51,7 +52,7 @@ TEST(Strategies, AllFindWhatBruteForceFinds) {
     for (const double margin : {0.0, 0.05}) {
       StrategyOptions options;
       options.contact.margin = margin;
-      const RecordedStep step = test::crowded_step(0, 3);
+      const bench::RecordedStep step = test::crowded_step(0, 3);
       const std::vector<BodyContact> expected = brute_force(body, step, options.contact);
       contacts += static_cast<std::int64_t>(expected.size());
       for (const Baseline baseline : baselines) {
@@ -78,7 +79,7 @@ TEST(Strategies, AnswerTheSameAgain) {
   for (const Baseline baseline : baselines) {
     Strategy used = make_strategy(body, baseline, CageUse::always);
     used.detect(test::crowded_step(0, 1));
-    const RecordedStep step = test::crowded_step(1, 2);
+    const bench::RecordedStep step = test::crowded_step(1, 2);
     expect_equal(used.detect(step).contacts, make_strategy(body, baseline, CageUse::always).detect(step).contacts);
   }
 }
@@ -93,13 +94,13 @@ TEST(Strategies, AreNamedAfterWhatTheyDo) {
 
 TEST(PairFilter, CountsEachBodyOnceAndLeavesPairsOut) {
   const TankBody body = test::sample_body("star");
-  const RecordedStep step = test::crowded_step(0, 3);
+  const bench::RecordedStep step = test::crowded_step(0, 3);
   const PairFilter filter(body, false, {});
   const Survivors all = filter.run(step);
   ASSERT_GT(all.pairs.size(), 3U);
   EXPECT_TRUE(std::is_sorted(all.pairs.begin(), all.pairs.end()));
   EXPECT_TRUE(std::adjacent_find(all.bodies.begin(), all.bodies.end(), std::greater_equal<>()) == all.bodies.end());
-  for (const BodyPair& pair : all.pairs) {
+  for (const IndexPair& pair : all.pairs) {
     EXPECT_TRUE(std::binary_search(all.bodies.begin(), all.bodies.end(), pair.a));
     EXPECT_TRUE(std::binary_search(all.bodies.begin(), all.bodies.end(), pair.b));
   }
@@ -115,7 +116,7 @@ TEST(PairFilter, CoarserCagesRejectLess) {
   coarse.finest_cage = coarse.coarsest_cage = 2;
   std::int64_t fine_left = 0, coarse_left = 0;
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
-    const RecordedStep step = test::crowded_step(0, seed);
+    const bench::RecordedStep step = test::crowded_step(0, seed);
     fine_left += PairFilter(body, true, {}).run(step).counts.cages;
     coarse_left += PairFilter(body, true, coarse).run(step).counts.cages;
   }

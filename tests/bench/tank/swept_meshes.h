@@ -64,8 +64,8 @@ inline Indices sorted(const std::vector<TrianglePair>& pairs) {
   return result;
 }
 
-/// By how much the slabs of two swept triangles are apart along the worst of the normals, which
-/// have the components -1, 0 and 1; negative if all overlap. `normals`: 3 for boxes, 13 for 26-DOPs.
+/// By how much the slabs of two swept triangles are apart along the worst of the normals, which have the components -1,
+/// 0 and 1; negative if all overlap. `normals`: 3 for boxes, 13 for 26-DOPs.
 inline double gap(const Sweep& a, std::int32_t triangle_a, const Sweep& b, std::int32_t triangle_b, int normals) {
   static const double normal[13][3] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1}, {1, 1, 0},  {1, -1, 0}, {1, 0, 1}, {1, 0, -1},
                                        {0, 1, 1}, {0, 1, -1}, {1, 1, 1}, {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}};

@@ -23,9 +23,9 @@ inline TankBody sample_body(const std::string& name) {
 }
 
 /// Bodies on a shaken grid, close enough that many pairs nearly touch and some do.
-inline RecordedStep crowded_step(std::int64_t number, std::uint32_t seed) {
+inline bench::RecordedStep crowded_step(std::int64_t number, std::uint32_t seed) {
   std::mt19937 random(seed);
-  RecordedStep step{number, {}};
+  bench::RecordedStep step{number, {}};
   for (int i = 0; i < 12; ++i) {
     Motion motion = random_motion(random, 0.3, 0.2);
     const Eigen::Vector3d cell(1.9 * (i % 2), 1.9 * (i / 2 % 2), 1.7 * (i / 4));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The program encage-distance.
+// encage-bench distance.
 
 #include "tests/bench/tools/recorded_tool.h"
 
@@ -11,7 +11,7 @@ namespace {
 class DistanceTool : public RecordedTool {
  protected:
   DistanceTool()
-      : RecordedTool(ENCAGE_DISTANCE_BINARY,
+      : RecordedTool("distance",
                      "0,0,0,0,0,0,0,0,1\n0,1,1,0,1.5,0,0,0,1\n"
                      "1,0,0,0,0.1,0,0,0,1\n1,1,1,0,1.5,0,0,0,1\n2,0,0,0,0.2,0,0,0,1\n2,1,1,0,0.62,0,0,0,1\n") {}
 };

@@ -15,11 +15,11 @@
 
 namespace encage::test {
 
-/// A program that measures queries over recorded poses, run in a scratch folder that holds `ring.glb`, a torus with a
-/// cage, and `poses.csv`.
+/// A subcommand of encage-bench that measures queries over recorded poses, run in a scratch folder that holds
+/// `ring.glb`, a torus with a cage, and `poses.csv`.
 class RecordedTool : public testing::Test {
  protected:
-  RecordedTool(std::string program, const std::string& poses) : program_(std::move(program)) {
+  RecordedTool(std::string subcommand, const std::string& poses) : subcommand_(std::move(subcommand)) {
     BakeOptions options;
     options.faces = {200};
     write_asset(folder.path() / "ring.glb", bake(torus(24, 12), options));
@@ -31,7 +31,7 @@ class RecordedTool : public testing::Test {
   }
 
   RunResult run_tool(const std::vector<std::string>& arguments, const std::string& poses = "poses.csv") const {
-    std::vector<std::string> command = {program_, "--asset", "ring.glb", "--poses", poses};
+    std::vector<std::string> command = {ENCAGE_BENCH_BINARY, subcommand_, "--asset", "ring.glb", "--poses", poses};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return run(command, folder.path());
   }
@@ -47,7 +47,7 @@ class RecordedTool : public testing::Test {
   ScratchFolder folder;
 
  private:
-  std::string program_;
+  std::string subcommand_;
 };
 
 }  // namespace encage::test

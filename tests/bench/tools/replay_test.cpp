@@ -157,7 +157,7 @@ TEST_F(ReplayTool, TheAssetMustBeOfTheMesh) {
 }
 
 TEST_F(ReplayTool, WithoutAnAssetTheMeshAloneIsTheShape) {
-  const encage::replay::Body body = encage::replay::load_body(folder.path() / "ring.obj", {});
+  const encage::replay::ReplayBody body = encage::replay::load_body(folder.path() / "ring.obj", {});
   EXPECT_EQ(body.levels, 0);
   EXPECT_EQ(body.mesh.triangles.rows(), torus(24, 12).triangles.rows());
   const Eigen::AlignedBox3d box = world_box(*body.shape, {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The program encage-threads.
+// encage-bench threads.
 
 #include "tests/bench/tools/recorded_tool.h"
 
@@ -11,7 +11,7 @@ namespace {
 class ThreadsTool : public RecordedTool {
  protected:
   ThreadsTool()
-      : RecordedTool(ENCAGE_THREADS_BINARY,
+      : RecordedTool("threads",
                      // The first step lacks a body.
                      "0,0,0,0,0,0,0,0,1\n"
                      "1,0,0,0,0,0,0,0,1\n1,1,1,0,0,0.70710678118654752,0,0,0.70710678118654752\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The program encage-twins, run on few pairs.
+// encage-bench twins, run on few pairs.
 
 #include "tests/cagegen/tool/run.h"
 
@@ -15,7 +15,7 @@ namespace {
 class TwinsTool : public testing::Test {
  protected:
   RunResult twins(std::vector<std::string> arguments) const {
-    arguments.emplace(arguments.begin(), ENCAGE_TWINS_BINARY);
+    arguments.insert(arguments.begin(), {ENCAGE_BENCH_BINARY, "twins"});
     return run(arguments, folder.path());
   }
 

@@ -68,13 +68,13 @@ TEST(TripletsTool, DrawsAnAsset) {
   options.faces = {60};
   options.method = BakeMethod::collapse;
   write_asset(folder.path() / "ring.glb", bake(test::torus(12, 8), options));
-  const test::RunResult drawn =
-      test::run({ENCAGE_TRIPLETS_BINARY, "ring.glb", "ring.glb", "--size", "24", "-o", "out.png"}, folder.path());
+  const test::RunResult drawn = test::run(
+      {ENCAGE_BENCH_BINARY, "triplets", "ring.glb", "ring.glb", "--size", "24", "-o", "out.png"}, folder.path());
   EXPECT_EQ(drawn.status, 0) << drawn.err;
   EXPECT_NE(drawn.out.find("144 x 24"), std::string::npos) << drawn.out;
   EXPECT_TRUE(folder.read("out.png").starts_with("\x89PNG"));
   const test::RunResult refused =
-      test::run({ENCAGE_TRIPLETS_BINARY, "ring.glb", "--up", "y,z", "-o", "no.png"}, folder.path());
+      test::run({ENCAGE_BENCH_BINARY, "triplets", "ring.glb", "--up", "y,z", "-o", "no.png"}, folder.path());
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("2 axes for 1 asset"), std::string::npos) << refused.err;
 }

@@ -44,8 +44,8 @@ std::vector<TriangleMesh> solids() {
           shapes::joined(shapes::sphere(2), shapes::scaled(shapes::moved(shapes::cube(0.5), {4, 0, 0}), 0.5))};
 }
 
-/// What merging or moving the vertices `from` into p costs: the volume between the old triangles at
-/// them and the new ones, and the area-weighted squares of p's distances from the old planes.
+/// What merging or moving the vertices `from` into p costs: the volume between the old triangles at them and the new
+/// ones, and the area-weighted squares of p's distances from the old planes.
 double quadric_error(const CageEditor& cage, const std::vector<std::int32_t>& from, const Point& p, double weight) {
   const TriangleMesh mesh = cage.extract();
   std::vector<std::int32_t> number;  // of the extracted vertices, in the editor
@@ -149,8 +149,8 @@ TEST(CageEditor, LinkCondition) {
 }
 
 TEST(CageEditor, NeverSweepsPastAComponent) {
-  // A cage component around a tiny tetrahedron: no planned edit may leave it outside, whatever is
-  // between its cage and where the vertices go.
+  // A cage component around a tiny tetrahedron: no planned edit may leave it outside, whatever is between its cage and
+  // where the vertices go.
   const TriangleMesh inner = shapes::joined(shapes::sphere(2), shapes::tetrahedron(1e-3, {3, 3, 3}));
   const Obstacle obstacle(inner);
   const TriangleMesh cage =

@@ -164,8 +164,8 @@ TEST(Approach, AStateNotTakenLeavesNoTrace) {
 }
 
 TEST(Approach, AVertexKeepsItsConeAlsoWhereAFaceRests) {
-  // A pyramid over a convex hexagon, whose two last corners are drawn in until the hexagon is seen whole from no
-  // point: the tip would lose its cone, though some of its faces never move.
+  // A pyramid over a convex hexagon, whose two last corners are drawn in until the hexagon is seen whole from no point:
+  // the tip would lose its cone, though some of its faces never move.
   const auto pyramid = [](double in) {
     return shapes::mesh(
         {{3, 3, 4},

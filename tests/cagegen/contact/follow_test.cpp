@@ -100,8 +100,8 @@ TEST(Follow, ShortStepsDoNotLetAComponentJump) {
   EXPECT_EQ(follow_all(solver, inner, target, 20, 0), 20);
 }
 
-/// Two plates far apart, each moving onto the cage's wall between them: the inner sides of a cage of the shape of a
-/// U, whose strands have no room in the end.
+/// Two plates far apart, each moving onto the cage's wall between them: the inner sides of a cage of the shape of a U,
+/// whose strands have no room in the end.
 struct Pinch {
   TriangleMesh inner;
   TriangleMesh cage;

@@ -26,7 +26,7 @@ class Points : public PairKind {
     const unsigned level = random.below(static_cast<unsigned>(levels.size()) + 1);
     const bool fine = level == levels.size();
     const TriangleMesh& mesh = fine ? body.sample.hierarchy.fine : levels[level].mesh;
-    const Surface& surface = fine ? body.shape->fine : body.shape->cages[level];
+    const Surface& surface = fine ? body.shape->simple().fine : body.shape->simple().cages[level];
     if (surface.empty() || !surface.closed) return {};
     const Vector p = point(random, body, mesh);
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Numbers that several parts of the library share. Each stands here once, with its unit and its reason.
+
+#include <limits>
+
+namespace encage {
+
+/// 2^-52, twice the largest relative error of one operation in double. Error bounds count in it.
+inline constexpr double eps = std::numeric_limits<double>::epsilon();
+
+/// World units. The largest coordinate, margin and size that queries take: products of two such lengths, and sums of
+/// many, stay below 1e308.
+inline constexpr double largest_length = 1e150;
+
+/// The scale of a body. The product of the scales of a body, of its part and of a part of that stays far from overflow
+/// and underflow.
+inline constexpr double smallest_scale = 1e-50, largest_scale = 1e50;
+
+/// Units of the mesh. The largest coordinate of a mesh that is rounded to float32: boxes around it, with their
+/// rounding, stay below the largest float, 3.4e38.
+inline constexpr double largest_coordinate = 1e37;
+
+/// Without unit. How far R^T R of a pose may be from the identity (spectral norm), and the length of a normal from 1.
+/// Poses that a simulation integrates in double stay within it; bounds of lengths grow by 1 + 1e-9 at most.
+inline constexpr double rigid_tolerance = 1e-9;
+
+/// Units squared. Where a squared norm is above it, what underflow took from its terms is below their rounding:
+/// eps * 1e-280 is a normal number.
+inline constexpr double smallest_square = 1e-280;
+
+/// The same for products that are compared with an error bound.
+inline constexpr double smallest_product = 1e-290;
+
+}  // namespace encage
