@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bakes a cage with an energy of its own: as little as possible of the cage shall reach below the floor on which the
 // model stands.
-#include <encage/asset.h>
 #include <encage/bake.h>
 
 #include <cstdio>
@@ -36,7 +35,7 @@ class FloorEnergy : public encage::CageEnergy {
 
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: custom_energy MODEL OUT.glb\n"), 2;
-  const encage::SourceMesh source = encage::sanitize(encage::triangulate(encage::read_polygon_mesh(argv[1])));
+  const encage::SourceMesh source = encage::sanitize(encage::read_mesh(argv[1]));
   const double floor = encage::bounds(source.obstacle).min().z();
 
   encage::BakeOptions options;
@@ -48,7 +47,7 @@ int main(int argc, char** argv) try {
     const double lowest = encage::bounds(cages.levels.front().mesh).min().z();
     std::printf("energy %s: reaches %.4f diagonals below the floor\n", own ? "floor" : "volume",
                 (floor - lowest) / source.diagonal);
-    if (own) encage::write_asset(argv[2], cages);
+    if (own) encage::write_certified_asset(argv[2], cages);
   }
 } catch (const encage::Error& error) {
   return std::fprintf(stderr, "custom_energy: %s\n", error.what()), 2;
