@@ -17,17 +17,17 @@ namespace {
 using proof::BoxTree;
 using proof::Corners;
 
-struct Box {
+struct CentredBox {
   Eigen::Vector3d middle, half;
 };
 
-Box box_of(const BoxTree::Node& node) {
+CentredBox box_of(const BoxTree::Node& node) {
   const Eigen::Map<const Eigen::Vector3d> low(node.low), high(node.high);
   return {0.5 * (low + high), 0.5 * (high - low)};
 }
 
 /// Beside one of the box's own faces by more than `slack`; `map` leads from the frame of `other` to that of `box`.
-bool beside(const Box& box, const Box& other, const Eigen::Affine3d& map, double slack) {
+bool beside(const CentredBox& box, const CentredBox& other, const Eigen::Affine3d& map, double slack) {
   const Eigen::Array3d gap = (map * other.middle - box.middle).array().abs() - box.half.array() -
                              (map.linear().cwiseAbs() * other.half).array();
   return (gap > slack).any();
@@ -101,7 +101,7 @@ struct ExactTouch::Pair {
   }
 
   bool apart(std::int32_t i, std::int32_t j) const {
-    const Box box_a = box_of(body.tree.nodes[i]), box_b = box_of(body.tree.nodes[j]);
+    const CentredBox box_a = box_of(body.tree.nodes[i]), box_b = box_of(body.tree.nodes[j]);
     return beside(box_a, box_b, b_to_a, slack) || beside(box_b, box_a, a_to_b, slack);
   }
 

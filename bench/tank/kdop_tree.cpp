@@ -84,7 +84,7 @@ std::int32_t KdopTree::partition(std::int32_t begin, std::int32_t end, int depth
 void KdopTree::merge_from_leaves() {
   // Children come after their parent.
   for (std::size_t i = nodes_.size(); i-- > 0;) {
-    Node& node = nodes_[i];
+    DopNode& node = nodes_[i];
     if (node.count == 0) {
       node.dop = nodes_[i + 1].dop;
       node.dop.extend(nodes_[node.first].dop);
@@ -95,7 +95,7 @@ void KdopTree::merge_from_leaves() {
   }
 }
 
-void KdopTree::leaf_overlaps(const KdopTree& a, const Node& leaf_a, const KdopTree& b, const Node& leaf_b,
+void KdopTree::leaf_overlaps(const KdopTree& a, const DopNode& leaf_a, const KdopTree& b, const DopNode& leaf_b,
                              std::vector<TrianglePair>& pairs) {
   std::array<Kdop, leaf_size> dops_b;
   for (std::int32_t j = 0; j < leaf_b.count; ++j) dops_b[j] = b.triangle_dop(b.order_[leaf_b.first + j].triangle);
@@ -111,13 +111,13 @@ void KdopTree::leaf_overlaps(const KdopTree& a, const Node& leaf_a, const KdopTr
 
 void KdopTree::overlaps(const KdopTree& a, const KdopTree& b, std::vector<TrianglePair>& pairs) {
   if (a.nodes_.empty() || b.nodes_.empty()) return;
-  const auto size = [](const Node& node) { return node.dop.width(0) + node.dop.width(1) + node.dop.width(2); };
+  const auto size = [](const DopNode& node) { return node.dop.width(0) + node.dop.width(1) + node.dop.width(2); };
   std::vector<std::pair<std::int32_t, std::int32_t>> stack{{0, 0}};
   while (!stack.empty()) {
     const auto [i, j] = stack.back();
     stack.pop_back();
-    const Node& node_a = a.nodes_[i];
-    const Node& node_b = b.nodes_[j];
+    const DopNode& node_a = a.nodes_[i];
+    const DopNode& node_b = b.nodes_[j];
     if (!node_a.dop.overlaps(node_b.dop)) continue;
     if (node_a.count > 0 && node_b.count > 0) {
       leaf_overlaps(a, node_a, b, node_b, pairs);

@@ -26,7 +26,7 @@ class KdopTree {
   static void overlaps(const KdopTree& a, const KdopTree& b, std::vector<TrianglePair>& pairs);
 
  private:
-  struct Node {
+  struct DopNode {
     Kdop dop;
     std::int32_t first;  ///< leaf: first entry of order_; inner node: the right child, the left one being the next node
     std::int32_t count;  ///< leaf: number of triangles; inner node: 0
@@ -40,13 +40,13 @@ class KdopTree {
   void build_node(std::int32_t begin, std::int32_t end, int depth);
   std::int32_t partition(std::int32_t begin, std::int32_t end, int depth);
   void merge_from_leaves();
-  static void leaf_overlaps(const KdopTree& a, const Node& leaf_a, const KdopTree& b, const Node& leaf_b,
+  static void leaf_overlaps(const KdopTree& a, const DopNode& leaf_a, const KdopTree& b, const DopNode& leaf_b,
                             std::vector<TrianglePair>& pairs);
 
   const Triangles* triangles_ = nullptr;
   std::vector<Kdop> vertices_;
   std::vector<Centre> order_;
-  std::vector<Node> nodes_;
+  std::vector<DopNode> nodes_;
 };
 
 }  // namespace encage::tank

@@ -14,17 +14,19 @@ class Cgal : public BroadPhase {
     for (std::uint32_t n = 0; n < frame.box.size(); ++n) {
       boxes_.emplace_back(frame.box[n].min(), frame.box[n].max(), n);
     }
-    CGAL::box_self_intersection_d(boxes_.begin(), boxes_.end(),
-                                  [&](const Box& a, const Box& b) { pairs.push_back(pair_key(a.number, b.number)); });
+    CGAL::box_self_intersection_d(boxes_.begin(), boxes_.end(), [&](const NumberedBox& a, const NumberedBox& b) {
+      pairs.push_back(pair_key(a.number, b.number));
+    });
   }
 
  private:
-  struct Box : CGAL::Box_intersection_d::Box_d<double, 3, CGAL::Box_intersection_d::ID_NONE> {
-    Box(Eigen::Vector3d low, Eigen::Vector3d high, std::uint32_t n) : Box_d(low.data(), high.data()), number(n) {}
+  struct NumberedBox : CGAL::Box_intersection_d::Box_d<double, 3, CGAL::Box_intersection_d::ID_NONE> {
+    NumberedBox(Eigen::Vector3d low, Eigen::Vector3d high, std::uint32_t n)
+        : Box_d(low.data(), high.data()), number(n) {}
     std::uint32_t id() const { return number; }
     std::uint32_t number;
   };
-  std::vector<Box> boxes_;
+  std::vector<NumberedBox> boxes_;
 };
 
 }  // namespace

@@ -27,7 +27,7 @@ inline twins::Tally ask_pairs(const std::string& name, std::unique_ptr<twins::Pa
   const auto seed = static_cast<std::uint64_t>(number_from("ENCAGE_TWIN_SEED", 1));
   const twins::Report report = twins::run({{name, kind.get(), std::int64_t{shard} * pairs, pairs}}, seed, 1);
   for (const twins::Miss& miss : report.misses) {
-    ADD_FAILURE() << "encage-twins --seed " << seed << " --kinds " << name << " --first " << miss.number
+    ADD_FAILURE() << "encage-bench twins --seed " << seed << " --kinds " << name << " --first " << miss.number
                   << " --pairs 1: " << miss.what;
   }
   const twins::Tally& tally = report.tallies.front();
