@@ -26,12 +26,12 @@ constexpr double rounding_unit = 0x1p-49;
 
 /// The difference of the features: a triangle (with its last corner twice) or a parallelogram, whose corners move
 /// linearly. The features touch when it contains the origin.
-struct Sweep {
+struct DifferenceSweep {
   Corners start, end;
   Corners size;  // sums of the magnitudes at both ends
 };
 
-Corners at(const Sweep& sweep, double time) {
+Corners at(const DifferenceSweep& sweep, double time) {
   Corners result;
   for (int k = 0; k < 3; ++k) result[k] = sweep.start[k] + time * (sweep.end[k] - sweep.start[k]);
   return result;
@@ -74,9 +74,9 @@ Vector closest_direction(const Corners& p) {
 }
 
 /// Searches for a proof for one sweep and one requirement.
-class Search {
+class FeatureSearch {
  public:
-  Search(const Sweep& sweep, const Requirement& required, double rounding)
+  FeatureSearch(const DifferenceSweep& sweep, const Requirement& required, double rounding)
       : sweep_(sweep), required_(required), rounding_(rounding) {}
 
   /// Tries axes from the middle of all corners, each moved towards the corner that violates it most.
@@ -208,18 +208,18 @@ class Search {
     return next;
   }
 
-  const Sweep& sweep_;
+  const DifferenceSweep& sweep_;
   const Requirement& required_;
   double rounding_ = 0;
 };
 
-std::optional<double> first(Sweep& sweep, const Requirement& required) {
+std::optional<double> first(DifferenceSweep& sweep, const Requirement& required) {
   for (int k = 0; k < 3; ++k) sweep.size[k] = sweep.start[k].abs() + sweep.end[k].abs();
   const Lanes size = sweep.size[0] + sweep.size[1] + sweep.size[2];
   // Neither NaN nor a value that could overflow to it may get further: a minimum might lose it.
   if (!(sum(size) < 1e100)) return 0.0;
   if (!(required.distance >= 0 && required.arc >= 0)) return 0.0;
-  const Search search(sweep, required, rounding_unit * size.maxCoeff());
+  const FeatureSearch search(sweep, required, rounding_unit * size.maxCoeff());
   if (search.quickly_free()) return std::nullopt;
   return search.run();
 }
@@ -227,7 +227,7 @@ std::optional<double> first(Sweep& sweep, const Requirement& required) {
 }  // namespace
 
 std::optional<double> first_vertex_face(const MovingPoints& points, const Requirement& required) noexcept {
-  Sweep sweep;
+  DifferenceSweep sweep;
   const auto& p = points.start;
   const auto& q = points.end;
   for (int k = 0; k < 3; ++k) {
@@ -238,7 +238,7 @@ std::optional<double> first_vertex_face(const MovingPoints& points, const Requir
 }
 
 std::optional<double> first_edge_edge(const MovingPoints& points, const Requirement& required) noexcept {
-  Sweep sweep;
+  DifferenceSweep sweep;
   const auto& p = points.start;
   const auto& q = points.end;
   for (int k = 0; k < 3; ++k) {

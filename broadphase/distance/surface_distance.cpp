@@ -10,9 +10,10 @@
 namespace encage {
 namespace {
 
-class Search {
+class DistanceSearch {
  public:
-  Search(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair, const SurfaceDistanceOptions& options)
+  DistanceSearch(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
+                 const SurfaceDistanceOptions& options)
       : a_(a), b_(b), pair_(pair), options_(options) {}
 
   SurfaceDistance run() {
@@ -25,7 +26,7 @@ class Search {
     visit_near_leaves(
         a_->tree, b_->tree, bounds, limit(),
         [](void* search, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
-          return static_cast<Search*>(search)->leaves(first_a, count_a, first_b, count_b);
+          return static_cast<DistanceSearch*>(search)->leaves(first_a, count_a, first_b, count_b);
         },
         this);
     best_.lower = limit() < 0 ? 0 : std::min(lower_, limit());
@@ -109,7 +110,7 @@ class Search {
 
 SurfaceDistance surface_distance(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
                                  const SurfaceDistanceOptions& options) noexcept {
-  return Search(a, b, pair, options).run();
+  return DistanceSearch(a, b, pair, options).run();
 }
 
 }  // namespace encage

@@ -19,7 +19,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The nearest points found so far, and the edges that the line between them should be normal to; an edge is zero if
 /// there is none.
-struct Nearest {
+struct NearestPoints {
   double squared = infinity;
   Vector on_a, on_b;
   Vector edge_a = Vector::Zero(), edge_b = Vector::Zero();
@@ -35,7 +35,7 @@ struct Nearest {
   }
 };
 
-void consider_edges(const TriangleD& a, const TriangleD& b, Nearest& nearest) {
+void consider_edges(const TriangleD& a, const TriangleD& b, NearestPoints& nearest) {
   const auto inside = [](double parameter) { return parameter > 0 && parameter < 1; };
   for (int i = 0; i < 3; ++i) {
     const Vector u = a[(i + 1) % 3] - a[i];
@@ -75,7 +75,7 @@ class Face {
 };
 
 /// Considers corners above the face, and edges through it. With `flip` the points are exchanged.
-void consider_face(const Face& face, const TriangleD& other, bool flip, Nearest& nearest) {
+void consider_face(const Face& face, const TriangleD& other, bool flip, NearestPoints& nearest) {
   const auto consider = [&](const Vector& p, const Vector& e, const Vector& f) {
     Vector x;
     if (!face.foot(p, x)) return;
@@ -139,7 +139,7 @@ bool passes_through(const Vector& p, const Vector& q, const TriangleD& t, double
 
 TriangleDistance triangle_distance(const TriangleD& a, const TriangleD& b, double error) noexcept {
   const Face face_a(a), face_b(b);
-  Nearest nearest;
+  NearestPoints nearest;
   nearest.on_a = a[0];
   nearest.on_b = b[0];
   consider_edges(a, b, nearest);

@@ -17,7 +17,7 @@ using Vector = Eigen::Vector3d;
 
 /// False only if the ray from `p` is proven to miss the box. Each quotient has a relative error of at most 2 eps: two
 /// roundings.
-bool may_meet(const Ray& ray, const MeshTreeView& tree, const MeshNode& node, int lane, const Vector& p) {
+bool may_meet(const WindingRay& ray, const MeshTreeView& tree, const MeshNode& node, int lane, const Vector& p) {
   const std::array<double, 3> direction = {1, ray.slope1, ray.slope2};
   double enter = 0;
   double leave = std::numeric_limits<double>::infinity();
@@ -36,7 +36,7 @@ bool may_meet(const Ray& ray, const MeshTreeView& tree, const MeshNode& node, in
 /// After shearing the ray onto its axis, and with m the largest coordinate of a corner relative to p, the two
 /// coordinates are at most 1.5 m and off by 3 eps m each. Hence an edge function is off by less than 32 eps m^2, and
 /// their mean of depths by less than 128 eps m^3.
-std::optional<int> crossing(const Ray& ray, const std::array<Vector, 3>& triangle, const Vector& p) {
+std::optional<int> crossing(const WindingRay& ray, const std::array<Vector, 3>& triangle, const Vector& p) {
   std::array<double, 3> x, y, z;
   double m = 0;
   for (int k = 0; k < 3; ++k) {
@@ -74,7 +74,7 @@ std::optional<int> crossing(const Ray& ray, const std::array<Vector, 3>& triangl
 }
 
 /// Winding number of the surface about `p`, counted along the ray.
-std::optional<int> winding(const Surface& surface, const Ray& ray, const Vector& p) {
+std::optional<int> winding(const Surface& surface, const WindingRay& ray, const Vector& p) {
   int sum = 0;
   const bool decided = visit_nodes(surface.tree, [&](const MeshNode& node, auto&& descend) {
     for (int lane = 0; lane < MeshNode::width; ++lane) {
@@ -105,7 +105,7 @@ Side locate(const Surface& surface, const Vector& point) noexcept {
       return Side::outside;
     }
   }
-  for (const Ray& ray : rays) {
+  for (const WindingRay& ray : rays) {
     if (const std::optional<int> number = winding(surface, ray, point)) {
       return *number != 0 ? Side::inside : Side::outside;
     }

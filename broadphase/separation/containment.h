@@ -25,19 +25,19 @@ inline bool unknown_in_cage(const SimpleShape& shape) { return shape.solid == So
 enum class Side { outside, inside, unknown };
 
 /// A ray runs along +`axis` and drifts by `slope1`, `slope2` along the two following axes.
-struct Ray {
+struct WindingRay {
   int axis;
   double slope1, slope2;
 };
 
 // The rays are skew, so that those through vertices of axis-aligned models rarely meet edges. There are several,
 // because a ray that meets an edge decides nothing. No slope exceeds 1/2: the error bounds of locate() rely on it.
-inline constexpr std::array<Ray, 6> rays = {{{0, 0.3719, 0.1427},
-                                             {1, 0.2917, -0.4513},
-                                             {2, -0.1733, 0.3391},
-                                             {0, -0.4271, 0.2239},
-                                             {1, 0.1193, 0.3847},
-                                             {2, 0.4651, -0.2683}}};
+inline constexpr std::array<WindingRay, 6> rays = {{{0, 0.3719, 0.1427},
+                                                    {1, 0.2917, -0.4513},
+                                                    {2, -0.1733, 0.3391},
+                                                    {0, -0.4271, 0.2239},
+                                                    {1, 0.1193, 0.3847},
+                                                    {2, 0.4651, -0.2683}}};
 
 /// Locates a point with respect to a closed surface: it is inside where the winding number is not zero. The answer is
 /// exact for the point and the float32 triangles as given, and `unknown` if rounding leaves it undecided.

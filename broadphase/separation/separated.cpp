@@ -22,9 +22,9 @@ bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, co
 
 /// The data that the stages after the boxes share. Closed surfaces that never meet cannot enter or leave each other:
 /// containment is tested at the start of the step only.
-class BodyPair {
+class PartPair {
  public:
-  BodyPair(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b, double margin)
+  PartPair(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b, double margin)
       : a_(a),
         b_(b),
         scale_a_(motion_a.scale),
@@ -74,7 +74,7 @@ class BodyPair {
 /// Runs the stages after the boxes for simple shapes.
 Verdict simple_separated(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b,
                          const PairOptions& options) {
-  BodyPair pair(a, motion_a, b, motion_b, options.margin);
+  PartPair pair(a, motion_a, b, motion_b, options.margin);
   Verdict last;
   const bool fine = options.fine && a.has_fine() && b.has_fine();
   const bool cages = options.cages == CageUse::always ||

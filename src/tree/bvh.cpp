@@ -37,9 +37,9 @@ struct Split {
   double cost = std::numeric_limits<double>::infinity();
 };
 
-class Builder {
+class BvhBuilder {
  public:
-  explicit Builder(const TriangleMesh& mesh) : boxes_(static_cast<std::size_t>(mesh.triangles.rows())) {
+  explicit BvhBuilder(const TriangleMesh& mesh) : boxes_(static_cast<std::size_t>(mesh.triangles.rows())) {
     for (std::size_t t = 0; t < boxes_.size(); ++t) {
       for (int k = 0; k < 3; ++k) boxes_[t].extend(mesh.corner(static_cast<std::int64_t>(t), k));
     }
@@ -163,6 +163,6 @@ class Builder {
 
 }  // namespace
 
-Bvh build_bvh(const TriangleMesh& mesh) { return Builder(mesh).build(); }
+Bvh build_bvh(const TriangleMesh& mesh) { return BvhBuilder(mesh).build(); }
 
 }  // namespace encage

@@ -125,9 +125,9 @@ class Widener {
   MeshTree tree_;
 };
 
-class Checker {
+class TreeChecker {
  public:
-  Checker(const MeshTreeView& tree, const MeshView& mesh, const std::string& place)
+  TreeChecker(const MeshTreeView& tree, const MeshView& mesh, const std::string& place)
       : tree_(tree), mesh_(mesh), place_(place) {}
 
   void check_links() {
@@ -280,11 +280,11 @@ MeshTree build_mesh_tree(const TriangleMesh& mesh) {
 }
 
 void check_tree(const MeshTreeView& tree, const MeshView& mesh, const std::string& place) {
-  Checker(tree, mesh, place).check_links();
+  TreeChecker(tree, mesh, place).check_links();
 }
 
 void check_bounds(const MeshTreeView& tree, const MeshView& mesh, const std::string& place) {
-  Checker checker(tree, mesh, place);
+  TreeChecker checker(tree, mesh, place);
   checker.check_links();
   checker.check_bounds();
 }

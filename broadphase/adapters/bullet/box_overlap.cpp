@@ -12,7 +12,7 @@ namespace {
 using Vector = Eigen::Vector3f;
 using Lanes = Eigen::Array<float, MeshNode::width, 1>;
 
-struct Box {
+struct TriangleBox {
   Vector centre, half;
 };
 
@@ -38,7 +38,7 @@ class Side {
 
   struct NodeBoxes {
     std::array<Lanes, 3> centre, half;
-    Box box(int lane) const {
+    TriangleBox box(int lane) const {
       return {{centre[0][lane], centre[1][lane], centre[2][lane]}, {half[0][lane], half[1][lane], half[2][lane]}};
     }
   };
@@ -60,7 +60,7 @@ class Side {
     return result;
   }
 
-  Box root() const {
+  TriangleBox root() const {
     const NodeBoxes all = boxes(node(0));
     Vector low, high;
     for (int k = 0; k < 3; ++k) {
@@ -71,7 +71,7 @@ class Side {
     return {0.5F * (low + high), 0.5F * (high - low)};
   }
 
-  Box box(std::int32_t leaf) const {
+  TriangleBox box(std::int32_t leaf) const {
     Vector low, high;
     low.setConstant(std::numeric_limits<float>::infinity());
     high = -low;
@@ -91,8 +91,8 @@ class Side {
 };
 
 /// Returns the lanes whose boxes may overlap `other`, which lies in the other frame.
-Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, const Frame& frame, const Box& other,
-                                               float slack) {
+Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, const Frame& frame,
+                                               const TriangleBox& other, float slack) {
   const Vector centre = frame.rotation * other.centre + frame.offset;
   const Vector reach = (frame.magnitude * other.half).array() + slack;
   std::array<Lanes, 3> apart;
@@ -113,7 +113,7 @@ Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, con
   return result;
 }
 
-bool overlap(const Box& box, const Frame& frame, const Box& other, float slack) {
+bool overlap(const TriangleBox& box, const Frame& frame, const TriangleBox& other, float slack) {
   const Vector apart = frame.rotation * other.centre + frame.offset - box.centre;
   const Vector own = frame.magnitude * other.half + box.half,
                across = frame.magnitude.transpose() * box.half + other.half;
@@ -125,7 +125,7 @@ bool overlap(const Box& box, const Frame& frame, const Box& other, float slack) 
 struct BoxRef {
   std::int32_t index;
   int count;
-  Box box;
+  TriangleBox box;
 };
 
 class Traversal {
@@ -168,7 +168,7 @@ class Traversal {
 
   bool leaves_overlap(const BoxRef& a, const BoxRef& b) const {
     for (std::int32_t i = a.index; i < a.index + a.count; ++i) {
-      const Box box = a_.box(i);
+      const TriangleBox box = a_.box(i);
       if (!overlap(box, b_to_a_, b.box, slack_)) continue;
       for (std::int32_t j = b.index; j < b.index + b.count; ++j) {
         if (overlap(box, b_to_a_, b_.box(j), slack_)) return true;

@@ -44,7 +44,7 @@ constexpr double up = 1 + 1e-12;                  // covers the rounding of thes
 }  // namespace
 
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const AttachedMesh& b,
-                  const btTransform& transform_b, const Question& question) noexcept {
+                  const btTransform& transform_b, const PairQuestion& question) noexcept {
   const Rotation rotation_a = nearest_rotation(transform_a.getBasis());
   const Rotation rotation_b = nearest_rotation(transform_b.getBasis());
   const Eigen::Vector3d at_a = to_eigen(transform_a.getOrigin()), at_b = to_eigen(transform_b.getOrigin());

@@ -55,7 +55,7 @@ TEST(Containment, RaysThroughEdgesAndVerticesDecideNothing) {
       const Vector vertex = s.hierarchy.fine.corner(t, 0);
       const Vector middle = 0.5 * (vertex + s.hierarchy.fine.corner(t, 1));
       for (const Vector& target : {vertex, middle}) {
-        for (const Ray& ray : rays) {
+        for (const WindingRay& ray : rays) {
           Vector direction;
           direction[ray.axis] = 1;
           direction[(ray.axis + 1) % 3] = ray.slope1;

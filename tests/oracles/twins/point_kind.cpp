@@ -59,7 +59,7 @@ class Points : public PairKind {
                random.direction() * std::pow(10.0, -random.uniform(1, 16)) * size;
       }
       default: {
-        const Ray& ray = rays[random.below(rays.size())];
+        const WindingRay& ray = rays[random.below(rays.size())];
         Vector direction;
         direction[ray.axis] = 1;
         direction[(ray.axis + 1) % 3] = ray.slope1;
