@@ -204,7 +204,7 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
                                        const Point& centre) {
   const double clearance = options_.clearance;
   const double lift = lift_clearances * clearance + 4 * rounding_;
-  // One plane a ring edge: that through the edge over the part of the obstacle that needs it steepest.
+  // For each ring edge the steepest of the planes through it that clear the obstacle.
   std::vector<HalfSpace>& planes = scratch_.planes;
   std::vector<HalfSpace>& active = scratch_.active;
   std::vector<std::int32_t>& found = scratch_.hits;
@@ -224,7 +224,7 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
     const auto add_plane = [&](std::size_t i, const Prism& prism, double slope) {
       const Point normal = (prism.normal + slope * prism.side[1]).normalized();
       const double offset = normal.dot(prism.corner[1]) + 2 * rounding_;
-      // It replaces the plane of earlier rounds: p kept to that one, and this is steeper.
+      // It replaces the plane of earlier rounds, which is less steep, and which p kept to.
       planes[i] = {normal, offset};
       cut = true;
     };
@@ -247,7 +247,7 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
       for (const std::int32_t t : found) {
         needed = std::max(needed, Obstacle::steepest(prism, obstacle_.corners(t), lift, ceiling + lift, needed));
       }
-      if (needed <= 0) return std::nullopt;  // touched from a side that no turn about the edge cures
+      if (needed <= 0) return std::nullopt;  // touched from a side: no turn about the edge helps
       add_plane(i, prism, needed);
     }
     if (!cut) return p;
@@ -305,7 +305,7 @@ bool CageEditor::keeps_representatives(const Patch& patch, const Point& p) const
   std::vector<Point>& points = scratch_.representatives;
   points.clear();
   obstacle_.representatives(box, points);
-  // Old and new patch bound the space between them: a point in it would change sides.
+  // A point between the old and the new patch would change sides.
   for (const Point& x : points) {
     double angle = 0;
     for (const RingEdge& edge : patch.ring) angle += solid_angle(x, {p, position_[edge.a], position_[edge.b]});

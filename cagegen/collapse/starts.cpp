@@ -32,7 +32,7 @@ TriangleTree tree_of(const TriangleMesh& mesh) {
   return TriangleTree(boxes);
 }
 
-/// Per triangle of the cage: does it touch the obstacle, does it touch the cage.
+/// Which triangles of the cage touch the obstacle, and which touch the cage itself.
 struct Contacts {
   std::vector<bool> obstacle;
   std::vector<bool> self;
@@ -80,14 +80,14 @@ void raise_above(const Obstacle& obstacle, const TriangleMesh& base, double heig
     const Corners c = corners(base, t);
     const Prism prism(c);
     if (!prism.valid) continue;
-    // A decimation is off by less than its edges are long; what is farther is another strand.
+    // A decimation is off by less than the length of its edges; parts farther away belong to another strand.
     const double longest = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
     const double over = obstacle.highest(prism, longest / 3, 0);
     for (const std::int32_t v : indices(base, t)) heights[v] = std::max(heights[v], over + height);
   }
 }
 
-/// Per vertex, the shortest move that lifts every incident triangle's plane by one.
+/// For each vertex the shortest move that lifts the planes of all its triangles by one.
 std::vector<Point> unit_lifts(const TriangleMesh& base) {
   std::vector<std::vector<Point>> normals(static_cast<std::size_t>(base.vertices.rows()));
   for (std::int64_t t = 0; t < base.triangles.rows(); ++t) {
@@ -163,7 +163,7 @@ std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const Triangl
     }
     const Contacts contacts = find_contacts(obstacle, cage, clearance, &dirty);
     if (contacts.none()) return cage;
-    // Where self-contacts are of the surface's own making, smoothing spreads them: give up early.
+    // Smoothing only spreads self-contacts that the surface itself has: give up early.
     if (round == 1) first_count = contacts.count();
     if (round == 6 && contacts.count() > first_count / 2 + 10) return std::nullopt;
     std::vector<bool> self(vertex_count);

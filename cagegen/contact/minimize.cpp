@@ -12,9 +12,9 @@ namespace encage::makers {
 
 namespace {
 
-constexpr double negligible = 2e-5;        // of the energy, a step's gain
-constexpr double usual_first_step = 0.03;  // of the edges' length
-// Steps along the obstacle zigzag without it, and gain half as much.
+constexpr double negligible = 2e-5;        // share of the energy below which the gain of a step does not count
+constexpr double usual_first_step = 0.03;  // share of the mean edge length
+// Without momentum, steps along the obstacle zigzag and gain half as much.
 constexpr double momentum_factor = 0.8;
 
 Vertices to_matrix(const ContactSolver::Positions& positions) {
@@ -24,7 +24,7 @@ Vertices to_matrix(const ContactSolver::Positions& positions) {
   return matrix;
 }
 
-/// The mean edge length of equilateral triangles of the cage's area, nearly.
+/// About the edge length that the cage's triangles would have if they were equal and equilateral.
 double edge_length(const ContactSolver& solver) {
   double area = 0;
   for (std::size_t f = 0; f < solver.face_count(); ++f) {
@@ -59,15 +59,15 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
   const double first_value = value;
   double recent = 0;  // gain of the last steps, the latest counting most
   double step = -1;
-  ContactSolver::Positions last;  // where the cage was before the last step; empty: start afresh
+  ContactSolver::Positions last;  // the cage before the last step; empty: no momentum
   for (int iteration = 0; iteration < request.iterations && solver.work() < last_work; ++iteration) {
     solver.options().check();
     if (request.progress) request.progress(static_cast<double>(iteration) / request.iterations);
     const Vertices direction = checked_descent(*request.energy, state(cage));
     const double longest = direction.rowwise().norm().maxCoeff();
     if (!(longest > 0)) break;
-    // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does as
-    // well, since steps adapt.
+    // A step of about the mean gap would be best. That gap is costly to find, and since steps adapt, a share of the
+    // edge length does as well.
     if (step < 0) step = request.energy->first_step().value_or(usual_first_step * edge_length(solver) / longest);
     if (step * longest < solver.options().clearance * 0.3) break;
     const double slope = -(request.energy->gradient(state(cage)).array() * direction.array()).sum();

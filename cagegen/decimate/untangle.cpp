@@ -30,7 +30,7 @@ int crossing(const Point& start, const Point& direction, const std::array<std::i
   return left ? 1 : -1;
 }
 
-/// The translation of s against t, as short as possible, after which they are separated.
+/// The shortest translation of s that separates it from t.
 Point shortest_way_out(const Corners& s, const Corners& t, const Point& side) {
   const std::array<Point, 3> es{s[1] - s[0], s[2] - s[1], s[0] - s[2]};
   const std::array<Point, 3> et{t[1] - t[0], t[2] - t[1], t[0] - t[2]};
@@ -296,7 +296,7 @@ bool Untangler::run() {
   for (int round = 0; round < most_rounds; ++round) {
     find_contacts();
     if (contacts_.empty()) return true;
-    // Not a few spots but the shape as a whole.
+    // So many contacts are a matter of the whole shape, not of a few spots.
     if (contacts_.size() > static_cast<std::size_t>(mesh_.triangles.rows())) return false;
     if (contacts_.size() < fewest) {
       fewest = contacts_.size();
@@ -317,7 +317,7 @@ bool Untangler::run() {
 }  // namespace
 
 std::optional<TriangleMesh> untangle(const TriangleMesh& mesh, double gap) {
-  // Mostly the first will do, and changes less.
+  // The first attempt changes less, and suffices in most cases.
   for (const int pushes : {12, 0}) {
     Untangler untangler(mesh, gap, pushes);
     if (untangler.run()) return untangler.take();

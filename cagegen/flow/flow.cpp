@@ -17,26 +17,26 @@ namespace encage::makers {
 
 namespace {
 
-// Depth first asked for, in gaps: what conservative tests and rounding take from it.
+// The depth asked for at first, in gaps; conservative tests and rounding take the excess.
 constexpr double first_depth = 1.25;
-// Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit, in
-// diagonals.
+// A triangle that its depth did not bring inside asks for more at its corners: by this factor each step, up to this
+// limit in diagonals.
 constexpr double depth_growth = 1.5;
 constexpr double greatest_depth = 0.1;
-// Longest move, in diagonals.
+// The longest move of a vertex in one step, in diagonals.
 constexpr double longest_move = 0.03;
-// Times that a move is halved before the vertex stays where it is.
+// A move is halved this often before the vertex stays where it is.
 constexpr int most_halvings = 4;
-// Steps without fewer triangles touching before the stuck patch is smoothed, and passes of a smoothing.
+// After so many steps without progress (fewer triangles that touch) the stuck patch is smoothed, in so many passes.
 constexpr int patience_steps = 8;
 constexpr int smoothing_passes = 3;
-// Steps without fewer triangles touching before stretched triangles climb; the move they ask for, in roots of their
-// doubled area; sums of cosines without meaning, and triangles of C^ looked at for the direction.
+// After so many steps without progress stretched triangles climb, by this share of the root of their doubled area.
 constexpr int climb_after = 2;
 constexpr double climb_move = 0.5;
+// The direction of a climb comes from at most so many triangles of C^; a sum of cosines below this has no meaning.
 constexpr double balanced_sum = 0.01;
 constexpr std::size_t most_hits = 64;
-// Items between two calls of the request's check.
+// The request's check is called once for so many items.
 constexpr std::size_t block_size = 32768;
 // Items worth a thread.
 constexpr std::size_t least_per_thread = 512;

@@ -31,9 +31,9 @@ struct ReinflateResult {
   std::string failure;  ///< if not reached: where and why
 };
 
-/// Moves F from inside C^ back home, as an obstacle of infinite mass, while the cage gives way: Nested Cages, section 3.2
-/// and algorithm 3. `solver` holds C^, valid around the flowed F; it ends valid around `home`, or around F somewhere on
-/// the way if that is not reached.
+/// Moves F from inside C^ back home, as an obstacle of infinite mass, while the cage gives way: Nested Cages, section
+/// 3.2 and algorithm 3. `solver` holds C^, valid around the flowed F; it ends valid around `home`, or around F
+/// somewhere on the way if that is not reached.
 ReinflateResult reinflate(ContactSolver& solver, const ReinflateRequest& request, const Obstacle& home);
 
 }  // namespace encage::makers

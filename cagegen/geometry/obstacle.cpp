@@ -13,7 +13,7 @@ namespace {
 // 2^-24 of a partial sum below 2 sqrt(3).
 constexpr double filter_slack = 1.5e-6;
 
-// Distance from the edge at which a triangle is lifted in full, in lifts.
+// From this distance from the edge on, in lifts, triangles are lifted in full.
 constexpr double full_lift = 20;
 
 /// A triangle cut by four half-spaces: each adds one corner at most, but for rounding.
@@ -171,7 +171,7 @@ BoxFilter Obstacle::near(const Prism& prism, double clearance, double magnitude)
   box.max().array() += clearance;
   BoxFilter filter(box, magnitude);
   if (!prism.valid) return filter;
-  // Over all corners: a sliver's planes may be tilted by rounding, as far as you like.
+  // Over all corners: rounding may tilt the planes of slivers by any angle.
   const auto below = [&](const Point& normal) {
     filter.below(normal, clearance + std::max({normal.dot(prism.corner[0]), normal.dot(prism.corner[1]),
                                                normal.dot(prism.corner[2])}));
@@ -232,7 +232,7 @@ double Obstacle::steepest(const Prism& prism, const Corners& t, double lift, dou
   for (int i = 1; i < 5; ++i) {
     if (cuts[i]) polygon.cut([&](const Point& p) { return normal[i].dot(p) - offset[i]; });
   }
-  // Next to the edge, which stays where it is, turning lifts nothing: ask for less there.
+  // Turning lifts nothing next to the edge, which stays where it is: ask for less there.
   const double depth = inward.dot(prism.corner[0] - prism.corner[1]);
   const double full = std::min(full_lift * lift, depth / 4);
   for (const Point& p : polygon.corners()) {
@@ -262,7 +262,7 @@ double Obstacle::steepest(const Prism& prism, double lift, double ceiling, doubl
   filter.below(prism.normal, prism.normal.dot(start) + ceiling);
   for (int k = 0; k < 3; ++k) filter.below(prism.side[k], prism.side[k].dot(prism.corner[k]));
   const auto depth = [&](const Float4(&low)[3], const Float4(&high)[3]) { return filter.depth(low, high); };
-  // The deepest first: they raise the plane most, and what then lies under it is never looked at.
+  // The deepest triangles first: they raise the plane most, and those under it are then skipped.
   tree_.traverse_ranked(filter, depth, [&](std::int32_t t) {
     ++work();
     const double found = steepest(prism, corners(t), lift, ceiling, slope);

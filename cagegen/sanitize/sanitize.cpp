@@ -24,7 +24,7 @@ using io::Side;
 
 /// Volume below this share of (area x diagonal) is rounding: a sheet, not a solid.
 constexpr double flat = 1e-9;
-/// Of the triangles that stand for degenerate ones, in diagonals.
+/// Thickness of the triangles that replace degenerate ones, in diagonals.
 constexpr double sliver_thickness = 1e-6;
 /// float32 holds local coordinates, and cages a few diagonals around them, as normal numbers with all their bits.
 constexpr double largest_extent = 1e37;
@@ -159,7 +159,7 @@ Triangles select(const Triangles& triangles, const std::vector<char>& drop) {
   return kept;
 }
 
-/// A surface with what is known about the space it encloses.
+/// A surface, and whether it encloses a solid.
 struct Surface {
   TriangleMesh mesh;
   std::int64_t cap_count = 0;
