@@ -67,7 +67,7 @@ struct BodyOptions {
   friend bool operator==(const BodyOptions&, const BodyOptions&) = default;
 };
 
-/// How a pair has changed since the previous search.
+/// The change of a pair since the previous search.
 enum class PairEvent : std::uint8_t {
   begin,    ///< was no candidate and is one now
   persist,  ///< was a candidate and still is
