@@ -90,7 +90,7 @@ TEST(DeformedBodies, AreNotMissedAtRest) {
     Scene s(random, bodies, false);
     const double sum = s.margin + s.bound_a + s.bound_b;
     const bool rejected = s.rejected(s.margin);
-    // Only the bounds are lost.
+    // The bounds enlarge the margin and cost nothing else.
     if (separated(*s.a.shape, s.motion_a, *s.b.shape, s.motion_b, sum * (1 + 1e-14)).separated) {
       EXPECT_TRUE(rejected) << "pair " << i;
     }
@@ -99,7 +99,7 @@ TEST(DeformedBodies, AreNotMissedAtRest) {
       if (rejected) {
         ASSERT_TRUE(apart) << "pair " << i << ", way " << way << " of " << s.a.sample.name << ", " << s.b.sample.name;
       }
-      // With slightly smaller bounds this reject would have been wrong.
+      // A slightly larger deformation touches, so the test would notice a bound that is slightly too small.
       if (rejected && way == 0) attacks += !are_apart(s, 1.1 * s.bound_a + 0.1 * sum, 1.1 * s.bound_b + 0.1 * sum, way);
     }
     rejects += rejected;
