@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of a world: what is refused leaves it as it is.
+// Changes of a world. A change that is refused leaves the world unchanged.
 #include "broadphase/motion/pose.h"
 #include "broadphase/shape/shape.h"
 #include "broadphase/world/room.h"

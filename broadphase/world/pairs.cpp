@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pairs a world keeps: those whose boxes in the tree overlap.
+// A world keeps the pairs whose boxes in the tree overlap.
 #include "broadphase/motion/turned_box.h"
 #include "broadphase/shape/world_box.h"
 #include "broadphase/world/chunks.h"

@@ -35,7 +35,7 @@ double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& 
 struct DistanceOptions {
   /// World units, > 0, usually infinite. The query does not look for larger distances.
   double limit = std::numeric_limits<double>::infinity();
-  /// >= 0, usually 0.01. The bounds may differ by this fraction of the distance, which saves time.
+  /// >= 0; 0.01 is usually accurate enough. The bounds may differ by this fraction of the distance, which saves time.
   double tolerance = 0;
   /// Triangles of the fine meshes that may be near each other, e.g. the result of the step before. A good hint saves
   /// time, and it decides between pairs that are equally near. The query ignores a hint that is out of range.

@@ -25,7 +25,7 @@ struct Verdict {
   std::int16_t level = -1;  ///< for Stage::cage: index of the cage level, 0 the finest
 };
 
-/// When cages are tested.
+/// Decides when cages are tested.
 enum class CageUse : std::uint8_t {
   /// Tests cages only where the fine meshes are not tested, and before a fine mesh of a ShapeCache, which may have to
   /// be read first. A fine mesh's own tree proves more than a cage, in less time (docs/performance.md), so that cages
@@ -37,7 +37,7 @@ enum class CageUse : std::uint8_t {
 
 /// Which stages separated() tests, and with which margin.
 struct PairOptions {
-  double margin = 0;  ///< world units, >= 0
+  double margin = 0;  ///< world units, >= 0, usually 0
   bool boxes = true;  ///< tests the world boxes; false where the caller has tested them
   CageUse cages = CageUse::automatic;
   int finest_cage = 0;                                  ///< finest cage level tested; 0 is the finest of all

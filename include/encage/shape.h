@@ -74,8 +74,8 @@ int level_count(const Shape& shape) noexcept;
 /// parts of the cage of that level, or the part's coarsest.
 std::int64_t level_triangles(const Shape& shape, int level) noexcept;
 
-/// Rigid motion from the body frame (the frame of the source file) to the world, of a body at `scale` times its size: x
-/// -> pose * (scale * x). Every vertex moves on the straight line between its two positions.
+/// Rigid motion from the body frame (the frame of the source file) to the world, of a body at `scale` times its size:
+/// x -> pose * (scale * x). Every vertex moves on the straight line between its two positions.
 struct Motion {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d end = Eigen::Isometry3d::Identity();

@@ -67,7 +67,7 @@ struct BodyOptions {
   friend bool operator==(const BodyOptions&, const BodyOptions&) = default;
 };
 
-/// How a pair has changed since the previous search.
+/// The change of a pair since the previous search.
 enum class PairEvent : std::uint8_t {
   begin,    ///< was no candidate and is one now
   persist,  ///< was a candidate and still is
@@ -121,7 +121,7 @@ struct CandidateStatistics {
 class WorldSnapshot;
 
 /// Bodies and half-spaces, and the search for pairs that may come into contact during a step. The search tests only
-/// pairs of which a body has changed its motion since the previous search; an unchanged pair costs some nanoseconds.
+/// pairs of which a body has changed since the previous search; an unchanged pair costs some nanoseconds.
 ///
 /// *Sleep.* Bodies are awake until the caller puts them to sleep; the world itself wakes none. The search leaves out a
 /// pair of two bodies that are asleep or static (or of one and a half-space) once it has tested the pair after the last

@@ -17,7 +17,8 @@
 #include <vector>
 
 // All answers are the same on every instruction set and every architecture: scripts/ci-extra compares the hash that
-// this prints on x86-64 and on 64-bit ARM. Hence no transcendental functions here, and no random distributions.
+// this test prints on x86-64 and on 64-bit ARM. Therefore it uses no transcendental functions and no random
+// distributions.
 namespace encage::test {
 namespace {
 
@@ -25,13 +26,14 @@ class Numbers {
  public:
   explicit Numbers(std::uint64_t seed) : engine_(seed) {}
   int below(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }
-  /// Multiples of 2^-20 in [-half, half).
+  /// Returns a multiple of 2^-20 in [-half, half).
   double within(double half) { return half * (below(1 << 21) - (1 << 20)) / (1 << 20); }
   Eigen::Vector3d point(double half) {
     const double x = within(half), y = within(half), z = within(half);
     return {x, y, z};
   }
-  /// Unit quaternions: `most` < 1 of the real part turns by less than 180 degrees.
+  /// Returns the rotation of the quaternion (1, x, y, z), normalized, with |x|, |y|, |z| up to `most`: a turn by less
+  /// than 180 degrees.
   Eigen::Matrix3d rotation(double most) {
     const double x = within(most), y = within(most), z = within(most), s = 2 / (1 + x * x + y * y + z * z);
     Eigen::Matrix3d r;
@@ -60,7 +62,7 @@ class Numbers {
   SplitMix engine_;
 };
 
-// A ball with dents of up to a half, in a box of a cage.
+// A ball with dents of up to half its radius, in a box as its cage.
 ShapePtr dented_ball(Numbers& numbers, int levels) {
   CageHierarchy hierarchy;
   hierarchy.fine = shapes::sphere(levels);

@@ -11,7 +11,7 @@
 
 namespace encage::test {
 
-/// A sample and the run time's shape of it; how large it is in the world.
+/// A sample, the run time's shape of it, and its scale in the world.
 struct Body {
   Sample sample;
   ShapePtr shape;
@@ -28,7 +28,7 @@ struct Body {
   Eigen::Vector3d centre(const Eigen::Isometry3d& pose) const { return pose * (scale * origin()); }
   bool solid() const { return sample.hierarchy.solid != Solid::surface_only && !hollow; }
   bool has_fine() const { return sample.hierarchy.fine.triangles.rows() > 0; }
-  /// The finest that is stored: the fine mesh, else the first cage.
+  /// Returns the finest mesh that is stored: the fine mesh, otherwise the first cage.
   const TriangleMesh& mesh() const { return has_fine() ? sample.hierarchy.fine : sample.hierarchy.levels.front().mesh; }
 };
 

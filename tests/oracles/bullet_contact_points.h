@@ -24,7 +24,7 @@ struct ContactPoint {
   friend bool operator==(const ContactPoint&, const ContactPoint&) = default;
 };
 
-/// All that there are, in the order of the dispatcher's manifolds.
+/// Returns all contact points, in the order of the dispatcher's manifolds.
 std::vector<ContactPoint> contact_points(btDispatcher& dispatcher);
 
 }  // namespace encage::bullet_bench

@@ -18,7 +18,7 @@ void* allocate(std::size_t size) {
 
 }  // namespace
 
-// Not inlined: the compiler would see a mismatch of new and free.
+// These are not inlined, because the compiler would see a mismatch of new and free.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   if (void* p = allocate(size)) return p;
   throw std::bad_alloc();

@@ -3,8 +3,8 @@
 
 #include <atomic>
 
-// Counts what a test program allocates, and may stop it. A program that names one of these gets operators new and
-// delete that do so.
+// Counts the allocations of a test program, and can make them fail. A program that uses one of these variables gets
+// operators new and delete that do so.
 
 extern std::atomic<long> allocations;       ///< so far
-extern std::atomic<long> allocations_left;  ///< after so many more there is no memory; negative: always enough
+extern std::atomic<long> allocations_left;  ///< number of allocations until memory runs out; negative: unlimited

@@ -13,7 +13,7 @@
 namespace encage::test {
 namespace {
 
-// Both kinds are one question: is the origin on a polygon whose corners, differences of
+// Both kinds of features lead to one question: when does a polygon contain the origin, if its corners, differences of
 // the features' points, move linearly? The polygon is a triangle or a parallelogram.
 using Indices = std::vector<std::array<int, 2>>;  // corner = points[first] - points[second]
 
@@ -23,7 +23,7 @@ const Indices& corners(Features kind) {
   return kind == Features::vertex_face ? face : edges;
 }
 
-// ---- Intervals: most pairs of features are far from touching.
+// ---- Intervals, which exclude most pairs of features.
 
 using Interval = CGAL::Interval_nt<false>;
 using IntervalPoint = std::array<Interval, 3>;
@@ -33,7 +33,7 @@ Interval determinant(const IntervalPoint& a, const IntervalPoint& b, const Inter
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/// Some coordinate of all corners has one sign at both ends.
+/// True if some coordinate of all corners has one sign at both ends.
 bool one_side(const IntervalPolygon& start, const IntervalPolygon& end) {
   for (int k = 0; k < 3; ++k) {
     bool above = true, below = true;
@@ -46,7 +46,7 @@ bool one_side(const IntervalPolygon& start, const IntervalPolygon& end) {
   return false;
 }
 
-/// The origin stays off the plane: the Bernstein coefficients of its determinant have one sign.
+/// True if the origin stays off the plane: the Bernstein coefficients of its determinant have one sign.
 bool off_plane(const IntervalPolygon& p, const IntervalPolygon& q) {
   const std::array<Interval, 4> b = {
       determinant(p[0], p[1], p[2]),
@@ -57,7 +57,7 @@ bool off_plane(const IntervalPolygon& p, const IntervalPolygon& q) {
          std::all_of(b.begin(), b.end(), [](const Interval& x) { return x.sup() < 0; });
 }
 
-/// The point nearest to the origin, about: rounding only makes the axis of beyond_axis() a worse one.
+/// Approximates the point nearest to the origin: rounding only makes the axis of beyond_axis() a worse one.
 Eigen::Vector3d nearest_point(const std::vector<Eigen::Vector3d>& p) {
   const Eigen::Vector3d n = (p[1] - p[0]).cross(p[2] - p[1]);
   bool inside = n.squaredNorm() > 0;
@@ -72,7 +72,7 @@ Eigen::Vector3d nearest_point(const std::vector<Eigen::Vector3d>& p) {
   return inside ? (n.dot(p[0]) / n.squaredNorm() * n).eval() : nearest;
 }
 
-/// All corners are in front of the origin at both ends, along the direction that the polygon is in half-way.
+/// True if all corners are in front of the origin at both ends, along the direction of the polygon at half-time.
 bool beyond_axis(const IntervalPolygon& start, const IntervalPolygon& end) {
   std::vector<Eigen::Vector3d> middle(start.size());
   for (std::size_t i = 0; i < start.size(); ++i) {
@@ -118,7 +118,7 @@ using Polynomial = Kernel::Polynomial_1;
 using Time = Kernel::Algebraic_real_1;
 using PolynomialPoint = std::array<Polynomial, 3>;
 
-/// `value` as an integer multiple of 2^exponent.
+/// Returns `value` as an integer multiple of 2^exponent.
 CGAL::Gmpz scaled(double value, int exponent) {
   int e = 0;
   const double mantissa = std::ldexp(std::frexp(value, &e), 53);
@@ -153,7 +153,7 @@ Kernel::Bound evaluate_least(const Polynomial& p, const Kernel::Bound& low, cons
   return least;
 }
 
-/// CGAL's own (5.5) fails where refinement hits the root by chance.
+/// CGAL's own function (5.5) fails if refinement happens to hit the root.
 CGAL::Sign sign(const Polynomial& p, const Time& t) {
   if (p.degree() < 1) return p.is_zero() ? CGAL::ZERO : p.sign_at(0);
   if (t.low() != t.high()) {
@@ -202,7 +202,7 @@ class MovingPolygon {
     return {corners_[i][0] - corners_[j][0], corners_[i][1] - corners_[j][1], corners_[i][2] - corners_[j][2]};
   }
 
-  /// Times at which a contact can begin.
+  /// Returns the times at which a contact can begin.
   std::vector<Time> candidates() const {
     std::vector<Time> times;
     const Polynomial plane = dot(corners_[0], cross(corners_[1], corners_[2]));
@@ -210,7 +210,7 @@ class MovingPolygon {
       add_roots(plane, times);
       return times;
     }
-    // The origin stays in the plane: some sign that holds_origin asks for changes.
+    // The origin stays in the plane: a contact begins where a sign that holds_origin() tests changes.
     times.push_back(kernel_.construct_algebraic_real_1_object()(0));
     for (const Polynomial& p : normal_) add_roots(p, times);
     for (const Polynomial& p : sides_) add_roots(p, times);
@@ -234,13 +234,13 @@ class MovingPolygon {
     return std::all_of(p.begin(), p.end(), [&](const Polynomial& x) { return sign(x, t) == CGAL::ZERO; });
   }
 
-  /// For times at which the origin is in a plane with the polygon.
+  /// Valid for times at which the origin is in a plane with the polygon.
   bool holds_origin(const Time& t) const {
     if (!vanishes(normal_, t)) {
       return std::all_of(sides_.begin(), sides_.end(),
                          [&](const Polynomial& side) { return sign(side, t) != CGAL::NEGATIVE; });
     }
-    // Collinear corners: the segment between some two of them.
+    // The corners are collinear: the polygon is the segment between some two of them.
     for (const PolynomialPoint& a : corners_) {
       for (const PolynomialPoint& b : corners_) {
         if (vanishes(cross(a, b), t) && sign(dot(a, b), t) != CGAL::POSITIVE) return true;
@@ -299,14 +299,14 @@ std::optional<double> first_within(Features kind, const MovingPoints& points, do
     motion.push_back(points.end[i].cast<Long>() - points.end[j].cast<Long>() - start.back());
     speed = std::max(speed, motion.back().norm());
   }
-  // The distance changes by at most `speed` a unit of time, the requirement by 4 arc.
+  // The distance changes by at most `speed` per unit of time, the requirement by 4 arc.
   const Long change = speed + 4 * static_cast<Long>(arc);
   const auto excess = [&](Long t) {
     LongPolygon p = start;
     for (std::size_t i = 0; i < p.size(); ++i) p[i] += t * motion[i];
     return origin_to_polygon(p) - distance - arc * 4 * t * (1 - t);
   };
-  // Advance by what the excess at the middle of a span allows, else halve the span.
+  // Advances by the time that the excess at the middle of a span allows; otherwise halves the span.
   Long now = 0, span = 1;
   while (now < 1) {
     span = std::min(span, 1 - now);

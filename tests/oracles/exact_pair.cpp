@@ -29,7 +29,7 @@ Point exact(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 CGAL::Bbox_3 box(const Triangle& t) { return t[0].bbox() + t[1].bbox() + t[2].bbox(); }
 
 bool boxes_farther(const CGAL::Bbox_3& a, const CGAL::Bbox_3& b, double distance) {
-  // Wide enough for the rounding of these sums.
+  // The factor covers the rounding of these sums.
   const double reach = distance * (1 + 1e-12);
   double squared = 0;
   for (int k = 0; k < 3; ++k) {
@@ -41,8 +41,8 @@ bool boxes_farther(const CGAL::Bbox_3& a, const CGAL::Bbox_3& b, double distance
   return std::sqrt(squared) > reach;
 }
 
-// CGAL wants triangles with an area; the distances below treat the others, since
-// a degenerate triangle is the union of its edges.
+// CGAL requires triangles with an area; the distances below treat the others, since a degenerate triangle is the union
+// of its edges.
 bool intersect(const Triangle& a, const Triangle& b) {
   if (CGAL::collinear(a[0], a[1], a[2]) || CGAL::collinear(b[0], b[1], b[2])) return false;
   return CGAL::do_intersect(K::Triangle_3(a[0], a[1], a[2]), K::Triangle_3(b[0], b[1], b[2]));
@@ -70,7 +70,7 @@ bool meet(const Triangle& a, const Triangle& b, double distance) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       if (squared_distance(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]) <= squared) return true;
-      // An edge may pass through the other's face far from its edges.
+      // An edge may pass through the other triangle's face far from its edges.
       if (!CGAL::collinear(b[0], b[1], b[2]) && a[i] != a[(i + 1) % 3] &&
           CGAL::do_intersect(K::Segment_3(a[i], a[(i + 1) % 3]), K::Triangle_3(b[0], b[1], b[2]))) {
         return true;
@@ -84,7 +84,7 @@ bool meet(const Triangle& a, const Triangle& b, double distance) {
   return vertex_within(a, b, squared) || vertex_within(b, a, squared);
 }
 
-// Crossings of segment p q, with sign; no value if it meets an edge or a plane holds p or q.
+// Counts the crossings of segment p q, with sign; no value if it meets an edge or a plane contains p or q.
 bool count_crossings(const ExactBody::Data& body, const Point& p, const Point& q, int& sum) {
   sum = 0;
   for (const Triangle& t : body.triangles) {
@@ -109,7 +109,7 @@ int winding(const ExactBody::Data& body, const Point& p) {
   for (const CGAL::Bbox_3& b : body.boxes) all += b;
   const double size = all.x_span() + all.y_span() + all.z_span();
   for (int attempt = 0; attempt < 50; ++attempt) {
-    // An end beyond the box, elsewhere in each attempt.
+    // The end is beyond the box, at another position in each attempt.
     const Point q(all.xmax() + size, all.ymin() + size * (0.137 + 0.0713 * attempt),
                   all.zmin() + size * (0.711 - 0.0457 * attempt));
     int sum = 0;
@@ -139,7 +139,7 @@ ExactBody::ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, co
     const auto row = mesh.triangles.row(t);
     data_->triangles.push_back({points[row(0)], points[row(1)], points[row(2)]});
     data_->boxes.push_back(box(data_->triangles.back()));
-    // Not the vertex that the code under test takes.
+    // This is another vertex than the one that the code under test uses.
     const std::size_t component = static_cast<std::size_t>(label[t]);
     if (component >= data_->component_points.size()) data_->component_points.resize(component + 1);
     data_->component_points[component] = points[row(2)];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Brute force in exact arithmetic: the truth that rejects are held against.
+// Brute force in exact arithmetic: the truth against which rejects are tested.
 
 #include <encage/mesh.h>
 
@@ -13,8 +13,8 @@
 
 namespace encage::test {
 
-/// A mesh as posed: every vertex is the exact image of `scale (origin + vertex)` under
-/// the pose, all entries being taken as the rational numbers they are.
+/// A mesh in a pose: every vertex is the exact image of `scale (origin + vertex)` under the pose, all entries being
+/// taken as the rational numbers they are.
 class ExactBody {
  public:
   ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose, double scale = 1);
@@ -33,15 +33,15 @@ bool surfaces_meet(const ExactBody& a, const ExactBody& b, double distance);
 /// The same for one triangle of each.
 bool triangles_meet(const ExactBody& a, std::int64_t i, const ExactBody& b, std::int64_t j, double distance);
 
-/// True if all vertices of triangles are farther than `distance` >= 0 from the half-space n.x <= offset; n
-/// of any length.
+/// True if all vertices of triangles are farther than `distance` >= 0 from the half-space n.x <= offset; n may have any
+/// length.
 bool all_beyond(const ExactBody& body, const Eigen::Vector3d& n, double offset, double distance);
 
 /// Winding number of a closed mesh about a point that is not on it.
 int winding_number(const ExactBody& body, const Eigen::Vector3d& point);
 
-/// For bodies whose surfaces do not meet: true if a vertex of some component of
-/// `guest` has a non-zero winding number in `host`, which is closed.
+/// For bodies whose surfaces do not meet: true if a vertex of some component of `guest` has a non-zero winding number
+/// in `host`, which is closed.
 bool holds_component(const ExactBody& host, const ExactBody& guest);
 
 using Corners = std::array<Eigen::Vector3d, 3>;

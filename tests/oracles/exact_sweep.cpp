@@ -13,17 +13,17 @@ namespace {
 
 using Box = Eigen::AlignedBox3d;
 
-/// points[0] and points[1] ... by the numbers of their vertices: those of a first for edges,
-/// the vertex first for faces.
+/// points[0] and points[1] ..., given by the numbers of their vertices: a's come first for edges, the vertex comes
+/// first for faces.
 struct FeaturePair {
   enum Kind : std::uint8_t { vertex_face, face_vertex, edge_edge } kind;
   std::array<std::int32_t, 4> vertices;
   auto operator<=>(const FeaturePair&) const = default;
 };
 
-constexpr int spans = 32;  // of a step: a power of two
+constexpr int spans = 32;  // spans of a step; a power of two
 
-/// A triangle's boxes at the ends of the spans.
+/// Boxes of a triangle at the ends of the spans.
 using BoxTrack = std::array<Box, spans + 1>;
 
 std::vector<BoxTrack> box_tracks(const MovingMesh& mesh) {
@@ -39,7 +39,7 @@ std::vector<BoxTrack> box_tracks(const MovingMesh& mesh) {
   return tracks;
 }
 
-/// `rounded`: the boxes' bounds are off by some units in the last place.
+/// `rounded` means that the boxes' bounds are off by some units in the last place.
 bool farther(const Box& a, const Box& b, double distance, bool rounded) {
   const Eigen::Array3d size = a.min().array().abs() + a.max().array().abs() + b.min().array().abs();
   const Eigen::Array3d reach =
@@ -47,7 +47,7 @@ bool farther(const Box& a, const Box& b, double distance, bool rounded) {
   return ((a.max().array() + reach < b.min().array()) || (b.max().array() + reach < a.min().array())).any();
 }
 
-/// Boxes between two ends are within the box of both, as vertices move linearly.
+/// At times between two ends, boxes lie in the box of both ends, since vertices move linearly.
 bool farther(const BoxTrack& a, const BoxTrack& b, double distance, int from, int to) {
   const bool rounded = from > 0 || to < spans;
   if (farther(a[from].merged(a[to]), b[from].merged(b[to]), distance, rounded)) return true;
@@ -108,7 +108,7 @@ bool meet_at_start(const MovingMesh& a, const MovingMesh& b, const std::vector<s
   });
 }
 
-/// Whether triangles meet at the start, or the question is answered by yes for some features that come close.
+/// True if triangles meet at the start, or if `question` is true for some features that come close.
 template <class Question>
 bool any_features(const MovingMesh& a, const MovingMesh& b, double distance, Question&& question) {
   const auto pairs = close_triangles(a, b, distance);

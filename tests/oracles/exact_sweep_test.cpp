@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The twin itself: what it says of a step is held against exact tests at single times.
+// Tests of the oracle: its results for a step are compared with exact tests at single times.
 #include "oracles/exact_sweep.h"
 
 #include "oracles/exact_pair.h"
@@ -94,14 +94,15 @@ TEST(ExactSweep, BoxOntoBox) {
   EXPECT_NEAR(touch->low, 1, 1e-15);
   down.end.translation().z() += 1e-9;
   EXPECT_FALSE(exact_first_contact(a, moving_mesh(Vector::Zero(), box, down)));
-  // Half a unit apart at three quarters of the step; with an arc of 1/4 sooner: 2 - 2 t = 1/2 + t (1 - t).
+  // The boxes are half a unit apart at three quarters of the step; with an arc of 1/4 sooner: 2 - 2 t = 1/2 + t (1 -
+  // t).
   const std::optional<double> near = first_within(a, b, 0.5, 0, 0x1p-24);
   ASSERT_TRUE(near);
   EXPECT_NEAR(*near, 0.75, 1e-6);
   const std::optional<double> bent = first_within(a, b, 0.5, 0.25, 0x1p-24);
   ASSERT_TRUE(bent);
   EXPECT_NEAR(*bent, (3 - std::sqrt(3.0)) / 2, 1e-6);
-  // One inside the other: the surfaces do not touch.
+  // One box is inside the other: the surfaces do not touch.
   EXPECT_FALSE(
       exact_first_contact(a, moving_mesh(Vector::Zero(), shapes::box(Vector(-9, -9, -9), Vector(9, 9, 9)), {})));
 }

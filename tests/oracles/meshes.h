@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-// Small meshes with known properties for the tests of the certificate.
+// Small meshes with known properties.
 namespace encage::shapes {
 
 inline TriangleMesh mesh(const std::vector<std::array<double, 3>>& vertices,
@@ -28,7 +28,7 @@ inline TriangleMesh mesh(const std::vector<std::array<double, 3>>& vertices,
   return m;
 }
 
-/// Axis-parallel box of 12 triangles, outward.
+/// Returns an axis-parallel box of 12 triangles, oriented outward.
 inline TriangleMesh box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   std::vector<std::array<double, 3>> v;
   for (int i = 0; i < 8; ++i) {
@@ -59,7 +59,7 @@ inline TriangleMesh tetrahedron(double size, const Eigen::Vector3d& at = Eigen::
   return m;
 }
 
-/// Octahedron subdivided `levels` times, vertices on the unit sphere, outward.
+/// Returns an octahedron subdivided `levels` times, with vertices on the unit sphere, oriented outward.
 inline TriangleMesh sphere(int levels) {
   std::vector<std::array<double, 3>> v = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::array<std::int32_t, 3>> f = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
@@ -87,7 +87,7 @@ inline TriangleMesh sphere(int levels) {
   return mesh(v, f);
 }
 
-/// Torus around the z axis, outward.
+/// Returns a torus around the z axis, oriented outward.
 inline TriangleMesh torus(double big, double small, int around, int across) {
   std::vector<std::array<double, 3>> v;
   std::vector<std::array<std::int32_t, 3>> f;
@@ -134,7 +134,7 @@ inline TriangleMesh with_triangle(const TriangleMesh& m, const Eigen::Vector3d& 
   return joined(m, mesh({{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {c[0], c[1], c[2]}}, {{0, 1, 2}}));
 }
 
-/// Uniform numbers; one seed, one sequence, on every machine.
+/// Uniform random numbers; one seed gives one sequence on every machine.
 class Random {
  public:
   explicit Random(std::uint32_t seed) : engine_(seed) {}

@@ -31,7 +31,7 @@ TriangleMesh tetrahedron() {
   return make({{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
 }
 
-/// Octahedron split once: 32 triangles, every other vertex pulled in.
+/// An octahedron split once: 32 triangles, with every other vertex pulled in.
 TriangleMesh star() {
   const std::vector<Vector> corner = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<Vector> vertices = corner;
@@ -57,7 +57,7 @@ TriangleMesh star() {
   return make(vertices, triangles);
 }
 
-/// The corners of a simple polygon (counter-clockwise), with its triangles, extruded along z.
+/// Extrudes a simple polygon (its corners counter-clockwise, with its triangles) along z.
 TriangleMesh prism(const Polygon& polygon, const std::vector<Eigen::Vector3i>& triangles, double bottom, double top) {
   const int n = static_cast<int>(polygon.size());
   std::vector<Vector> v;
@@ -98,7 +98,7 @@ TriangleMesh two_boxes(double d) {
                 box({0.3 - d, -0.5 - d, -0.6 - d}, {1.1 + d, 0.4 + d, 0.2 + d}));
 }
 
-/// A box without lid: two triangles dropped.
+/// A box without a lid, i.e. without two triangles.
 TriangleMesh open_box() {
   TriangleMesh mesh = cube(1);
   mesh.triangles.middleRows(2, 8) = mesh.triangles.bottomRows(8).eval();  // the lid: triangles 2 and 3
@@ -106,7 +106,7 @@ TriangleMesh open_box() {
   return mesh;
 }
 
-/// A closed box with a spike: a degenerate triangle that joins nothing, as inputs have it.
+/// A closed box with a spike: a degenerate triangle that shares no vertex, as in real inputs.
 TriangleMesh spiked_box() {
   return joined(cube(0.7), make({{0.6, 0.1, 0}, {1.3, 0.2, 0.125}, {0.95, 0.15, 0.0625}}, {{0, 1, 2}, {0, 2, 1}}));
 }
@@ -124,13 +124,13 @@ TriangleMesh needle(double half, double thin) {
   return prism({{-thin, -thin}, {thin, -thin}, {0, thin}}, {{0, 1, 2}}, -half, half);
 }
 
-/// A double cone whose rim turns by a hair from corner to corner: slivers about the axis.
+/// A double cone whose rim turns only slightly from corner to corner: slivers about the axis.
 TriangleMesh fan() {
   constexpr int count = 12;
   std::vector<Vector> v = {{0, 0, 1}, {0, 0, -1}};
   std::vector<Eigen::Vector3i> f;
   for (int i = 0; i < count; ++i) {
-    // All but three corners close together.
+    // All but three corners are close together.
     const double angle = i < 3 ? 2.1 * i : 4.2 + 1e-4 * (i - 2);
     v.emplace_back(std::cos(angle), std::sin(angle), 0);
     const int a = 2 + i, b = 2 + (i + 1) % count;
@@ -140,14 +140,14 @@ TriangleMesh fan() {
   return make(v, f);
 }
 
-/// A box, and on its largest face a tetrahedron of 2e-4.
+/// A box with a tetrahedron of size 2e-4 on its largest face.
 TriangleMesh spiky_box() {
   TriangleMesh mesh = box({-1, -1, -0.5}, {1, 1, 0.5});
   constexpr double tiny = 0x1p-13;
   return joined(mesh, moved(shapes::scaled(tetrahedron(), tiny), {0.25, -0.375, 0.5 + tiny}));
 }
 
-/// A box around a sheet, the same distance away on all sides.
+/// A box around a sheet, at the same distance on all sides.
 TriangleMesh around_sheet(int across, double half, double distance) {
   Vector upper = Vector::Constant(half + distance);
   upper[across] = distance;

@@ -11,7 +11,7 @@
 
 namespace encage::test {
 
-/// A mesh with its tree, vertices rounded to what assets hold.
+/// A mesh with its tree; vertices are rounded as in assets.
 struct SampleTree {
   TriangleMesh mesh;
   MeshArrays arrays;
@@ -19,7 +19,7 @@ struct SampleTree {
 
   explicit SampleTree(TriangleMesh m) : mesh(std::move(m)) {
     mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
-    // No denormal numbers.
+    // Denormal numbers become 0.
     mesh.vertices = (mesh.vertices.array().abs() < std::numeric_limits<float>::min()).select(0, mesh.vertices);
     arrays = make_mesh_arrays(mesh, "mesh");
     radius = mesh.vertices.rowwise().norm().maxCoeff() * (1 + 1e-12);
@@ -27,7 +27,8 @@ struct SampleTree {
   GateBody body(double scale = 1) const { return {radius, arrays.tree.grid, scale}; }
 };
 
-/// Of size 1: a torus of m times n vertices and a sphere, flat, thin, degenerate, off the local origin.
+/// Meshes of size 1: a torus of m times n vertices and a sphere, flat, thin and degenerate ones, and one off the local
+/// origin.
 inline std::vector<SampleTree> sample_trees(int m, int n, int sphere) {
   std::vector<SampleTree> all;
   all.emplace_back(shapes::torus(1, 0.35, m, n));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Distances of triangles in long double, and bodies at sampled times: brute force for moving bodies.
-// Every distance is one between two points of the triangles, hence never below the true one but by rounding.
+// Distances of triangles in long double, and bodies at sampled times: brute force for moving bodies. Every distance is
+// one between two points of the triangles, hence never below the true one except by rounding.
 
 #include "oracles/meshes.h"
 
@@ -41,7 +41,7 @@ inline Real point_triangle_distance(const Point& p, const RealTriangle& t) {
                    point_segment_distance(p, t[2], t[0])});
 }
 
-/// The distance of the lines where it is between points of the segments; else, ends of one of them decide.
+/// The distance of the lines if it is attained between points of the segments; otherwise the ends decide.
 inline Real edge_edge_distance(const Point& p0, const Point& p1, const Point& q0, const Point& q1) {
   const Point u = p1 - p0, v = q1 - q0, w = p0 - q0;
   const Real uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
@@ -54,7 +54,7 @@ inline Real edge_edge_distance(const Point& p0, const Point& p1, const Point& q0
                    point_segment_distance(q0, p0, p1), point_segment_distance(q1, p0, p1)});
 }
 
-/// Whether the segment crosses the triangle.
+/// True if the segment crosses the triangle.
 inline bool pierces(const Point& a, const Point& b, const RealTriangle& t) {
   const Point n = (t[1] - t[0]).cross(t[2] - t[0]);
   const Real da = n.dot(a - t[0]), db = n.dot(b - t[0]);
@@ -78,7 +78,7 @@ inline Real triangle_distance(const RealTriangle& a, const RealTriangle& b) {
   return least;
 }
 
-/// No more than the distance.
+/// A lower bound of the distance.
 inline Real distance_bound(const RealTriangle& a, const RealTriangle& b) {
   Real squared = 0;
   for (int k = 0; k < 3; ++k) {
@@ -90,7 +90,8 @@ inline Real distance_bound(const RealTriangle& a, const RealTriangle& b) {
   return std::sqrt(squared);
 }
 
-/// The triangles of a mesh (local frame, about `origin`) in the world, every vertex on the line between its two places.
+/// Returns the triangles of a mesh (local frame, about `origin`) in the world, every vertex on the line between its two
+/// positions.
 inline std::vector<RealTriangle> at_time(const TriangleMesh& mesh, const Eigen::Vector3d& origin, const Motion& motion,
                                          Real t) {
   const auto place = [&](const Eigen::Isometry3d& pose, const Point& x) -> Point {
@@ -109,8 +110,8 @@ inline std::vector<RealTriangle> at_time(const TriangleMesh& mesh, const Eigen::
   return triangles;
 }
 
-/// Least distance of each pair of triangles (a's times b's count plus b's) over `samples` + 1 times of the step from
-/// 0 to `last`; where it is above `limit`, some value above `limit`.
+/// Returns the least distance of each pair of triangles (index: a's times the number of b's, plus b's) over `samples` +
+/// 1 times of the step from 0 to `last`; any larger value if it exceeds `limit`.
 inline std::vector<Real> least_distances(const TriangleMesh& a, const Eigen::Vector3d& origin_a, const Motion& motion_a,
                                          const TriangleMesh& b, const Eigen::Vector3d& origin_b, const Motion& motion_b,
                                          Real limit, int samples, Real last = 1) {
@@ -130,7 +131,7 @@ inline std::vector<Real> least_distances(const TriangleMesh& a, const Eigen::Vec
   return least;
 }
 
-/// Least value of a function of time near its least sample: narrower and narrower around it.
+/// Least value of a function of time near its least sample, by narrower and narrower intervals around it.
 template <class Function>
 Real least_value(Function&& value, Real from = 0, Real to = 1) {
   constexpr int count = 24;
@@ -171,7 +172,8 @@ inline Eigen::Isometry3d random_pose(shapes::Random& random, double reach) {
   return pose;
 }
 
-/// From `start`, turned by at most `angle` about its own translation and moved by at most `way` in each coordinate.
+/// A motion from `start` that turns by at most `angle` about the body's own origin and moves by at most `way` in each
+/// coordinate.
 inline Motion random_motion(shapes::Random& random, const Eigen::Isometry3d& start, double angle, double way) {
   Motion motion{start, start};
   motion.end.linear() = random_rotation(random, angle) * start.linear();

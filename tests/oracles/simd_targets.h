@@ -8,7 +8,7 @@
 
 namespace encage::test {
 
-/// Expects answer() to be the same with every instruction set of this machine; returns it.
+/// Expects answer() to be the same with every instruction set of this machine, and returns it.
 template <class Answer>
 auto expect_same_on_all_targets(Answer&& answer) {
   const auto choose = [](std::int64_t target) {
@@ -18,7 +18,7 @@ auto expect_same_on_all_targets(Answer&& answer) {
   choose(0);
   const auto expected = answer();
   std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-  targets.push_back(HWY_STATIC_TARGET);  // what remains on the plainest machine, emulated where it has no vectors
+  targets.push_back(HWY_STATIC_TARGET);  // code for the least instruction set, emulated where it has no vectors
   for (const std::int64_t target : targets) {
     choose(target);
     EXPECT_TRUE(answer() == expected) << hwy::TargetName(target);

@@ -17,7 +17,7 @@ void add_kinds(const Sample& sample, double unit, std::vector<Body>& all) {
   Sample moved = sample;
   moved.hierarchy.origin = Vector(10'000, -2'500.25, 0.375) * unit;
   all.emplace_back(moved);
-  // One power of two, where lattices go on to meet; the others round.
+  // One scale is a power of two, where lattices still meet exactly; the others round.
   constexpr std::array scales = {0.3712, 2.0, 1 / 3.0, 37.3, 1e-3};
   all.emplace_back(sample, scales[all.size() % scales.size()], all.size() % 4 == 1);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// What pair tests against brute force share: bodies, and random places where the answer is delicate.
+// Shared by pair tests against brute force: bodies, and random positions close to where the answer changes.
 
 #include "oracles/body.h"
 
@@ -17,17 +17,18 @@
 
 namespace encage::test {
 
-/// Every kind of small body that the twin tests mix: with and without cages and fine
-/// mesh, with and without rounding of the fine mesh, large, small, scaled, hollow, far from 0. In a unit of 2^exponent.
+/// Every kind of small body that the pair tests mix: with and without cages and fine mesh, with and without rounding of
+/// the fine mesh, large, small, scaled, hollow, far from 0. The unit is 2^exponent.
 std::vector<Body> twin_bodies(int exponent = 0);
 
 /// The same kinds with 1,000 to 2,048 triangles.
 std::vector<Body> large_twin_bodies(int exponent = 0);
 
-/// The rate of rejects is asked where the fine meshes are there and both interiors known.
+/// True if the rate of rejects is tested for the pair: both fine meshes exist and both interiors are known.
 inline bool shows_rate(const Body& a, const Body& b) { return a.solid() && b.solid() && a.has_fine() && b.has_fine(); }
 
-/// Steele et al. 2014, "Fast splittable pseudorandom number generators": a generator for every pair costs nothing.
+/// Steele et al. 2014, "Fast splittable pseudorandom number generators": creating a generator for every pair costs
+/// almost nothing.
 class SplitMix {
  public:
   using result_type = std::uint64_t;
@@ -45,7 +46,7 @@ class SplitMix {
   std::uint64_t state_;
 };
 
-/// Random numbers, poses and margins; one seed, one sequence.
+/// Random numbers, poses and margins; one seed gives one sequence.
 class TwinRandom {
  public:
   explicit TwinRandom(std::uint64_t seed) : engine_(seed) {}
@@ -55,27 +56,29 @@ class TwinRandom {
   const Body& one_of(const std::vector<Body>& bodies) { return bodies[below(static_cast<unsigned>(bodies.size()))]; }
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
   Eigen::Vector3d direction();
-  /// In [-half, half]^3.
+  /// Returns a point in [-half, half]^3.
   Eigen::Vector3d point(double half);
-  /// Up to 1e6 from the origin; some drift from rigid like poses integrated without care, up to what is accepted.
+  /// Returns a pose up to 1e6 from the origin. Some poses depart from rigid, like poses integrated without care, up to
+  /// the accepted limit.
   Eigen::Isometry3d pose();
-  /// 0 twice in three times, else 0.3 to 1e-8 of a's size, of which what is far beyond b's does not count.
+  /// Returns 0 two times in three, otherwise 0.3 to 1e-8 of a's size, which is capped at a multiple of b's.
   double margin(const Body& a, const Body& b) {
     return below(3) != 0 ? 0 : std::pow(10.0, -uniform(0.5, 8)) * std::min(a.diagonal(), 8 * b.diagonal());
   }
   Eigen::Matrix3d quarter_turns();
-  /// Multiples of an eighth, up to 2.5.
+  /// Returns a point whose coordinates are multiples of an eighth, up to 2.5.
   Eigen::Vector3d lattice_point();
 
-  /// Anywhere on the source's surface, in the body's frame.
+  /// Returns a point on the source's surface, in the body's frame.
   Eigen::Vector3d surface_point(const Body& body);
-  /// Where b's centre is when b, turned as in its pose, starts out from a: near a's centre, or so that points of both
-  /// surfaces meet, which finds contacts between bodies of very different sizes.
+  /// Returns a position of b's centre at which b, turned as in its pose, starts out from a: near a's centre, or such
+  /// that points of both surfaces meet, which finds contacts between bodies of very different sizes.
   Eigen::Vector3d meeting_place(const Body& a, const Eigen::Isometry3d& pose_a, const Body& b,
                                 const Eigen::Isometry3d& pose_b);
 
-  /// Asks for an answer in [0, high] close to where it changes, on either side, at most 1e-2 of `size` and at least
-  /// 1e-16 away or as close as bisection comes. If it has the same value at both ends: asks for `high`.
+  /// Calls answer(x) for an x in [0, high] close to where it changes, on either side of the change, at most 1e-2 of
+  /// `size` and at least 1e-16 away or as close as bisection comes. If both ends have the same answer, it calls
+  /// answer(high).
   template <class Answer>
   void near_change(Answer&& answer, double high, double size) {
     double low = 0;

@@ -181,7 +181,7 @@ class ENCAGE_HIDDEN BulletAdapter::Algorithm final : public btCollisionAlgorithm
 btCollisionAlgorithm* BulletAdapter::State::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                                      const btCollisionObjectWrapper* a,
                                                                      const btCollisionObjectWrapper* b) {
-  // Bullet's pools hold elements of one size; its own algorithms fit, so this one must be no larger.
+  // Bullet's pools have elements of one size; its own algorithms fit, so this one must be no larger.
   static_assert(sizeof(Algorithm) <= sizeof(btGImpactCollisionAlgorithm));
   btCollisionAlgorithm* const inner = create_inner(info, *a, *b);
   // The algorithm must not release a manifold that somebody else owns.

@@ -12,7 +12,7 @@
 namespace encage::test {
 namespace {
 
-/// Two worlds with two bodies each, the second one with an adapter.
+/// Two worlds with two bodies each; the second world has an adapter.
 struct Pair {
   BulletMesh mesh_a, mesh_b;
   BulletWorld plain, world;
@@ -29,7 +29,7 @@ struct Pair {
     }
   }
 
-  /// Contacts without adapter; with it they have to be the same.
+  /// Returns the contacts without the adapter, and expects the same ones with it.
   std::vector<ContactPoint> same(const btTransform& a, const btTransform& b) {
     for (const std::size_t i : {0, 1}) {
       first[i]->setWorldTransform(a);
@@ -62,7 +62,7 @@ TEST(BulletAdapter, LeavesTheContactsOfResting) {
     for (int i = 0; i < 120; ++i) {
       const auto way = [&] { return static_cast<btScalar>(static_cast<double>(random() % 3001) / 1000 - 1.5); };
       const btScalar x = way(), y = way();
-      // Far from the origin as well: there Bullet rounds most.
+      // Some positions are far from the origin, where Bullet rounds most.
       const btVector3 origin = i % 4 == 0 ? btVector3(300, -500, 200) : btVector3(0, 0, 0);
       touching += !pair.same(placed(origin, random_turn(random)),
                              placed(origin + btVector3(x, y, way()) * 1.3F, random_turn(random)))
@@ -105,7 +105,7 @@ TEST(BulletAdapter, KeepsContactsWithPlanesUpToBothMargins) {
   }
   int touching = 0, apart = 0;
   for (int i = 0; i < 300; ++i) {
-    // At the height where the star's tip is at the margins, and near that.
+    // The heights are at and near the one at which the star's tip is at the margins.
     const btScalar off = static_cast<btScalar>(i % 3 == 0 ? 1e-5 * (i - 150) : 0.01 * (i - 150));
     const btTransform pose = placed(tilted * (floor.getPlaneNormal() * (0.3F + 0.07F + 1 + off)),
                                     i % 3 == 0 ? shortestArcQuat({0, 0, 1}, normal) : random_turn(random));
@@ -119,8 +119,8 @@ TEST(BulletAdapter, KeepsContactsWithPlanesUpToBothMargins) {
   EXPECT_GT(world.adapter->statistics().rejected, apart / 2);
 }
 
-// The outer faces of two parallel plates are back to back: GImpact takes them for deep in each other, if the plates
-// lie askew to the axes, so that boxes of triangles overlap.
+// The outer faces of two parallel plates are back to back. GImpact takes them for deep in each other if the plates are
+// askew to the axes, so that boxes of triangles overlap.
 TEST(BulletAdapter, KeepsFalseContactsUnlessToldOtherwise) {
   CageHierarchy hierarchy;
   hierarchy.fine = shapes::box({-1, -1, -0.0625}, {1, 1, 0.0625});
@@ -139,7 +139,7 @@ TEST(BulletAdapter, KeepsFalseContactsUnlessToldOtherwise) {
 
 TEST(BulletAdapter, ReleasesStaleManifolds) {
   Pair pair(body_named("fine torus"), 0);
-  // One ring through the other; then far from touching it, in its hole.
+  // One ring first passes through the other, then lies in its hole without touching it.
   const btQuaternion upright(btVector3(1, 0, 0), static_cast<btScalar>(SIMD_HALF_PI));
   EXPECT_FALSE(pair.same(placed({0, 0, 0}), placed({0.5F, 0, 0}, upright)).empty());
   EXPECT_GT(pair.world.dispatcher.getNumManifolds(), 0);
@@ -228,7 +228,7 @@ TEST(BulletAdapter, HandsOnConvexShapesAndPartsOfCompounds) {
   EXPECT_EQ(world.adapter->statistics().asked, 0);
 }
 
-/// Counts calls, and says when it would have contacts.
+/// Counts calls, and reports a time of impact.
 struct Counting : btCollisionAlgorithm {
   using btCollisionAlgorithm::btCollisionAlgorithm;
   static inline int calls = 0, times = 0;
@@ -251,7 +251,7 @@ struct Counting : btCollisionAlgorithm {
   };
 };
 
-// An algorithm of the user's may keep contacts up to the breaking threshold, 0.02.
+// A user's algorithm may keep contacts up to the breaking threshold, 0.02.
 TEST(BulletAdapter, AsksOtherAlgorithmsUpToTheBreakingThreshold) {
   const Body body = body_named("box");
   Counting::Create create;
@@ -291,7 +291,7 @@ TEST(BulletAdapter, MayGoBeforeItsWorld) {
   pair.world.adapter.reset();
   EXPECT_FALSE(pair.same(placed({0, 0, 0}), placed({0.5F, 0, 0}, upright)).empty());
   EXPECT_TRUE(pair.same(placed({0, 0, 0}), placed({1, 0, 0}, upright)).empty());
-  // What is created from now on is Bullet's own.
+  // From now on Bullet creates its own algorithms.
   const btCollisionObjectWrapper a(nullptr, &pair.mesh_a.shape(), pair.first[1], pair.first[1]->getWorldTransform(), -1,
                                    -1);
   btCollisionAlgorithm* const made = pair.world.dispatcher.findAlgorithm(&a, &a, nullptr, BT_CONTACT_POINT_ALGORITHMS);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The boxes of triangles against all pairs of them.
+// The overlap test of trees of boxes, compared with all pairs of boxes.
 #include "broadphase/adapters/bullet/box_overlap.h"
 #include "tests/broadphase/adapters/bullet_world.h"
 
@@ -24,7 +24,8 @@ std::vector<Box> boxes(const BoxedMesh& mesh) {
   return all;
 }
 
-/// By how much the best of the face normals separates the boxes of any two triangles, at least; < 0: some overlap.
+/// The least gap between the boxes of any two triangles, each gap being that of the best face normal; < 0 if some
+/// overlap.
 double gap(const std::vector<Box>& a, const std::vector<Box>& b, const Eigen::Isometry3d& b_to_a) {
   const Eigen::Matrix3d r = b_to_a.linear(), m = r.cwiseAbs();
   double least = std::numeric_limits<double>::infinity();
@@ -68,7 +69,7 @@ TEST(BulletBoxOverlap, IsThatOfAnyTwoTriangles) {
   EXPECT_GT(apart, 20);
 }
 
-// Slid apart until they hardly overlap, or hardly do not.
+// The bodies are moved apart until their boxes barely overlap or barely do not.
 TEST(BulletBoxOverlap, IsRightWhereBoxesGraze) {
   std::minstd_rand random(5);
   const test::Body body = test::body_named("star");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Worlds that behave the same with the adapter and without, step by step and bit for bit.
+// Worlds behave the same with and without the adapter, step by step and bit for bit.
 #include "tests/broadphase/adapters/bullet_world.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ btVector3 random_vector(std::minstd_rand& random, double size) {
   return {x, y, number()};
 }
 
-/// Bodies of the case, thrown about in a box.
+/// Throws the bodies of the case into a box.
 void fill(BulletWorld& world, btGImpactMeshShape& shape, const Case& c) {
   std::minstd_rand random(7);
   for (int i = 0; i < c.bodies; ++i) {

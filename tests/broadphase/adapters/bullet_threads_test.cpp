@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several worlds at once, each with its own adapter, that share the shape.
+// Several worlds run at once, each with its own adapter; they share the shape.
 #include "tests/broadphase/adapters/bullet_world.h"
 
 #include <gtest/gtest.h>

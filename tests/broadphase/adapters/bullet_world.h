@@ -22,7 +22,7 @@ using bullet_bench::ContactPoint;
 class BulletMesh {
  public:
   explicit BulletMesh(const TriangleMesh& mesh, double margin = 0, const btVector3& scaling = {1, 1, 1});
-  /// In the body frame.
+  /// Returns the mesh in the body frame.
   static TriangleMesh of(const Body& body);
 
   btGImpactMeshShape& shape() { return *shape_; }
@@ -36,19 +36,19 @@ class BulletMesh {
 
 btTransform placed(const btVector3& at, const btQuaternion& turn = btQuaternion::getIdentity());
 
-/// A Bullet world with GImpact, if asked for with an adapter.
+/// A Bullet world with GImpact, on request with an adapter.
 class BulletWorld {
  public:
   explicit BulletWorld(std::optional<BulletContacts> adapter = {});
   ~BulletWorld();
 
-  /// Takes part until it is removed; numbered from 0.
+  /// Adds a body, which takes part until it is removed. Bodies are numbered from 0.
   btRigidBody& add(btCollisionShape& shape, const btTransform& pose, double mass = 1);
   void remove(btRigidBody& body) { world.removeRigidBody(&body); }
-  /// Six walls of a cube about the origin.
+  /// Adds six walls of a cube about the origin.
   void add_walls(double half);
 
-  std::vector<ContactPoint> detect();  ///< collision detection at the present poses
+  std::vector<ContactPoint> detect();  ///< runs collision detection at the present poses
   void step(double dt) { world.stepSimulation(static_cast<btScalar>(dt), 0); }
   std::vector<ContactPoint> contacts() { return bullet_bench::contact_points(dispatcher); }
   std::vector<float> transforms() const;
@@ -65,7 +65,7 @@ class BulletWorld {
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
 };
 
-/// One of sample_shapes() or large_sample_shapes().
+/// Returns one of sample_shapes() or large_sample_shapes().
 Body body_named(const std::string& name);
 
 }  // namespace encage::test

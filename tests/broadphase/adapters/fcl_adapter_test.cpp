@@ -47,7 +47,7 @@ std::shared_ptr<Model> make_model(const Body& body, double scale = 1) {
   return model;
 }
 
-/// Objects of concave meshes in random places, with a manager. User data are their numbers.
+/// Objects of concave meshes at random positions, with a manager. Their user data are their numbers.
 struct Scene {
   std::vector<Body> bodies;
   std::vector<std::shared_ptr<Model>> models;
@@ -56,7 +56,7 @@ struct Scene {
   std::vector<std::unique_ptr<Object>> objects;
   ::fcl::DynamicAABBTreeCollisionManagerd manager;
 
-  /// `room`: half the width of the cube that holds the centres.
+  /// `room` is half the width of the cube that contains the centres.
   Scene(int seed, int count, double room, double scale = 1) {
     for (Sample& sample : sample_shapes(0)) {
       if (sample.hierarchy.solid == Solid::closed) bodies.emplace_back(std::move(sample));
@@ -123,7 +123,7 @@ TEST(FclAdapter, FindsTheSameCollidingPairs) {
       EXPECT_EQ(sorted(got), sorted(expected)) << seed;
       touching += expected.size();
       rejected += collision.statistics().rejected;
-      // By cages alone.
+      // The cages alone decide.
       FclCollision cages(scene.shapes, collect, &by_shape, {.cages = CageUse::always, .fine = false});
       scene.manager.collide(&cages, FclCollision::callback);
       EXPECT_EQ(sorted(by_shape), sorted(expected));
@@ -169,7 +169,7 @@ TEST(FclAdapter, ARejectedPairDoesNotEndTheSearch) {
   Scene scene(1, 3, 1);
   const std::array<Eigen::Vector3d, 3> places = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(50, 0, 0),
                                                  Eigen::Vector3d(0.01, 0, 0)};
-  ::fcl::NaiveCollisionManagerd naive;  // asks about all pairs whose boxes overlap, in order
+  ::fcl::NaiveCollisionManagerd naive;  // calls back for all pairs whose boxes overlap, in order
   for (std::size_t i = 0; i < 3; ++i) {
     scene.objects[i]->setTranslation(places[i]);
     scene.objects[i]->computeAABB();
@@ -183,7 +183,7 @@ TEST(FclAdapter, ARejectedPairDoesNotEndTheSearch) {
   EXPECT_EQ(collision.statistics().rejected, 1);
   EXPECT_FALSE(FclCollision::callback(scene.objects[0].get(), scene.objects[2].get(), &collision));
   EXPECT_EQ(calls, 1);
-  calls = 6;  // what the user's callback answers goes on to the manager
+  calls = 6;  // the user callback's result reaches the manager
   EXPECT_TRUE(FclCollision::callback(scene.objects[0].get(), scene.objects[2].get(), &collision));
   EXPECT_EQ(collision.statistics().asked, 3);
 
@@ -280,7 +280,7 @@ TEST(FclAdapter, RefusesWhatCannotBeTheBody) {
   EXPECT_EQ(message([&] { shapes.attach(nullptr, shape); }), "FCL adapter: no geometry");
   EXPECT_EQ(message([&] { shapes.attach(geometry, nullptr); }), "FCL adapter: no shape");
   EXPECT_NE(message([&] { shapes.attach(geometry, shape, 0); }).find("the scale is 0.0"), std::string::npos);
-  // A wrong unit, an empty model.
+  // One mesh has the wrong unit, one model is empty.
   EXPECT_NE(message([&] { shapes.attach(geometry, shape, 0.5); }).find("bounding box"), std::string::npos);
   EXPECT_NE(message([&] { shapes.attach(std::make_shared<Model>(), shape); }).find("bounding box"), std::string::npos);
   EXPECT_EQ(shapes.body(*scene.objects[0])->shape, before->shape);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Queries with exact truth from the benchmark of Wang et al. 2021, "A large-scale benchmark
-// and an inclusion-based algorithm for continuous collision detection". Not part of
-// this repository: the folder is named by ENCAGE_CCD_QUERIES.
+// Queries with exact truth from the benchmark of Wang et al. 2021, "A large-scale benchmark and an inclusion-based
+// algorithm for continuous collision detection". They are not part of this repository: ENCAGE_CCD_QUERIES names their
+// folder.
 #include "oracles/exact_ccd.h"
 
 #include <CGAL/Gmpq.h>
@@ -24,7 +24,7 @@ struct Query {
   bool collides = false;
 };
 
-// The rational as a double, which it has to be.
+// Returns the rational as a double, and requires that it is one.
 double coordinate(const std::string& numerator, const std::string& denominator) {
   const CGAL::Gmpq exact{CGAL::Gmpz(numerator), CGAL::Gmpz(denominator)};
   const double value = CGAL::to_double(exact);
@@ -70,7 +70,7 @@ Counts ask(const std::filesystem::path& file, bool edges) {
   return counts;
 }
 
-// Where the folder is named, it has to be there: its absence fails rather than skips.
+// If the environment names the folder, it has to exist: its absence fails the test instead of skipping it.
 TEST(CcdQueries, NoneMissedFewSpurious) {
   const char* folder = std::getenv("ENCAGE_CCD_QUERIES");
   if (folder == nullptr) GTEST_SKIP() << "ENCAGE_CCD_QUERIES names no folder of queries";

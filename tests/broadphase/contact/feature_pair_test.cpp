@@ -60,7 +60,7 @@ class FeaturePairs : public testing::TestWithParam<Features> {
     }
     return points;
   }
-  // A matrix of small integers, singular now and then.
+  // Returns a matrix of small integers, which is sometimes singular.
   Eigen::Matrix3d matrix() {
     Eigen::Matrix3d m;
     for (int k = 0; k < 3; ++k) m.row(k) = lattice_point(2);
@@ -71,7 +71,7 @@ class FeaturePairs : public testing::TestWithParam<Features> {
   struct Counts {
     int contacts = 0, free = 0, spurious = 0;
   };
-  // No contact missed, none late, none early but by rounding.
+  // Checks that no contact is missed or late, and that none is early by more than rounding.
   Counts compare(int count, const std::function<MovingPoints()>& make) {
     Counts counts;
     for (int i = 0; i < count; ++i) {
@@ -187,13 +187,13 @@ TEST_P(FeaturePairs, ParallelEdges) {
   EXPECT_EQ(counts.spurious, 0);
 }
 
-// With small integers, and with so many bits that projections are rounded: at the end of the step
-// nothing is crossed, and only their bound stops a false proof.
+// The integers are small, or have so many bits that projections are rounded. At the end of the step the features only
+// touch, so nothing but the rounding bound prevents a false proof.
 TEST_P(FeaturePairs, ContactAtTheEndsOfTheStep) {
   const Counts counts = compare(2'000, [&] {
     MovingPoints points = lattice(coin() ? 3 : 1 << 26);
     auto& ends = coin() ? points.start : points.end;
-    // The vertex into the face or on its corner, the edges across each other or end to end.
+    // The vertex lies in the face or on its corner; the edges cross or meet end to end.
     if (GetParam() == Features::vertex_face) {
       ends[0] = integer(1) == 0 ? ends[1] : Vector((ends[1] + ends[2] + 2 * ends[3]) / 4);
     } else {
@@ -227,7 +227,8 @@ TEST_P(FeaturePairs, TinyAndHuge) {
   }
 }
 
-// Down to where norms and products underflow nothing may be missed; up there nothing overflows into a proof.
+// At small scales norms and products underflow, and still no contact may be missed; at large ones no overflow may count
+// as a proof.
 TEST_P(FeaturePairs, NothingMissedBeyondTheRangeOfProofs) {
   for (const double scale : {0x1p-1060, 0x1p-500, 0x1p-300, 0x1p-200, 0x1p200, 0x1p500, 0x1p1000}) {
     for (int i = 0; i < 500; ++i) {
@@ -241,7 +242,7 @@ TEST_P(FeaturePairs, NothingMissedBeyondTheRangeOfProofs) {
   }
 }
 
-// Contacts at boundaries of the features, moved by a few units in the last place.
+// The features touch at their boundaries, moved by a few units in the last place.
 TEST_P(FeaturePairs, NearlyTouching) {
   const Counts counts = compare(1'500, [&] {
     MovingPoints points = lattice(2);
@@ -257,7 +258,8 @@ TEST_P(FeaturePairs, NearlyTouching) {
   RecordProperty("spurious", counts.spurious);
 }
 
-// Both sides of a plane, slid along it by far more than the gap within one cell of the grid.
+// The features are on both sides of a plane, and within one cell of the grid of times they move along it by far more
+// than the gap.
 TEST_P(FeaturePairs, NearMissesAreFree) {
   const int upper = GetParam() == Features::vertex_face ? 1 : 2;
   for (int i = 0; i < 5'000; ++i) {
@@ -284,10 +286,10 @@ TEST_P(FeaturePairs, MarginAndArc) {
     const double margin = i % 3 == 0 ? 0 : uniform(0, 0.3);
     const double arc = i % 5 == 0 ? 0 : uniform(0, 0.3);
     const std::optional<double> said = ask(GetParam(), points, {.margin = margin, .arc = arc});
-    // Whatever first_within reports for the smaller margin is surely within the larger.
+    // A time that first_within() reports for the smaller margin is certainly within the larger one.
     const double fine = 0x1p-26, slack = 32 * fine;
     const auto surely = margin > slack ? first_within(GetParam(), points, margin - slack, arc, fine) : std::nullopt;
-    // Where the closest features change, a fixed axis loses what they move in a cell.
+    // Where the closest features change, a fixed axis loses their motion within one cell.
     const double loss = cell * 8;
     const auto perhaps = first_within(GetParam(), points, margin + loss, arc, fine);
     if (surely) {
@@ -308,7 +310,7 @@ TEST_P(FeaturePairs, MarginAndArc) {
 TEST_P(FeaturePairs, TinyAxesDoNotShrinkTheMargin) {
   for (const double size : {1e-30, 1e-60, 1e-80, 1e-85, 1e-100, 1e-150, 1e-160, 1e-170, 1e-300}) {
     for (const double z : {0.85, 0.9, 0.99}) {
-      // A tiny face below a vertex, two tiny edges, two long ones a hair from parallel.
+      // A tiny face below a vertex, two tiny edges, or two long edges that are almost parallel.
       const std::array<Vector, 4> tiny = {Vector(0, 0, z), Vector(size, 0, GetParam() == Features::edge_edge ? z : 0),
                                           Vector(-size, size, 0), Vector(0, -size, 0)};
       const std::array<Vector, 4> parallel = {Vector(0, 0, z), Vector(10, 10 * size, z), Vector(-10, 0, 0),
@@ -348,7 +350,7 @@ TEST_P(FeaturePairs, InvalidNumbersAreContact) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const MovingPoints apart = {{Vector(0, 0, 5), Vector(1, 0, 6), Vector(0, 1, 0), Vector(1, 1, 0)},
                               {Vector(0, 0, 5), Vector(1, 0, 6), Vector(0, 1, 0), Vector(1, 1, 0)}};
-  // For the face, points[1] belongs to it: lowered.
+  // points[1] belongs to the face, which is therefore lowered.
   MovingPoints good = apart;
   if (GetParam() == Features::vertex_face) good.start[1].z() = good.end[1].z() = 0;
   ASSERT_FALSE(ask(GetParam(), good));

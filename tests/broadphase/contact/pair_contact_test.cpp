@@ -34,7 +34,7 @@ std::vector<Body> bodies() {
   return all;
 }
 
-/// Two bodies and a step in which they come close to each other, often touch.
+/// Two bodies and a step in which they come close to each other and often touch.
 struct Scene {
   const Body& a;
   const Body& b;
@@ -46,7 +46,7 @@ Scene random_scene(shapes::Random& random, const std::vector<Body>& all) {
              &b = all[random.integer(static_cast<int>(all.size()))];
   const double size = 0.4 * (a.diagonal() + b.diagonal());
   const double angle = random.integer(4) == 0 ? 2.5 : 0.2, way = random.integer(3) == 0 ? 1.5 * size : 0.2 * size;
-  // About the local origins, so that bodies far from the body frame's origin meet as well.
+  // The motion is about the local origins, so that bodies far from the body frame's origin meet as well.
   const auto about_origin = [&](const Body& body, Motion motion) {
     motion.start.translation() -= motion.start.linear() * body.origin();
     motion.end.translation() -= motion.end.linear() * body.origin();
@@ -69,7 +69,7 @@ ContactOptions random_options(shapes::Random& random) {
   return options;
 }
 
-/// All pairs of triangles, in the order that `engine` gives them.
+/// Tests all pairs of triangles, in a random order from `engine`.
 std::optional<Contact> brute_force(const Scene& scene, const ContactOptions& options, std::mt19937& engine) {
   const std::int64_t count_b = scene.b.mesh().triangles.rows();
   std::vector<std::int64_t> pairs(static_cast<std::size_t>(scene.a.mesh().triangles.rows() * count_b));
@@ -92,7 +92,7 @@ void expect_same(const std::optional<Contact>& x, const std::optional<Contact>& 
   EXPECT_EQ(x->time, y->time);
   EXPECT_EQ(x->kind, y->kind);
   EXPECT_EQ(x->vertices, y->vertices);
-  // The same features, met as different triangles have them: equal but for rounding.
+  // The same features belong to different triangles, so the results are equal up to rounding.
   EXPECT_LT((x->point - y->point).norm(), 1e-9);
   EXPECT_LT((x->normal - y->normal).norm(), 1e-6);
 }
@@ -142,7 +142,7 @@ TEST(FirstContact, LatestCutsAndChangesNothingElse) {
   EXPECT_GT(cut, 50);
 }
 
-/// The bodies' sampled distances are below the bound at a contact and above before it.
+/// The sampled distance of the bodies is at most the bound at a contact, and above it before.
 TEST(FirstContact, TimeIsALowerBoundAndTheBodiesAreNearThen) {
   shapes::Random random(3);
   const std::vector<Body> all = bodies();
@@ -170,20 +170,20 @@ TEST(FirstContact, TimeIsALowerBoundAndTheBodiesAreNearThen) {
       return value;
     };
     const Real start = least(0, 0, 1);
-    if (start == 0) continue;  // they cross already
+    if (start == 0) continue;  // they cross at the start already
     if (start <= options.margin) {
       ASSERT_TRUE(found);
       EXPECT_EQ(found->time, 0);
       continue;
     }
-    // No contact before the time.
+    // There is no contact before the reported time.
     EXPECT_GT(least(0, static_cast<Real>(last) * (1 - 1e-9L), 12), options.margin);
     if (!found) {
       ++none;
       continue;
     }
     ++contacts;
-    // Within one cell of the grid of times, in which they move this much.
+    // The distance is met within one cell of the grid of times, in which the bodies move by this much.
     EXPECT_LT(least(last, last, 1), options.margin + 20 * 0x1p-22);
   }
   EXPECT_GT(contacts, 20);
@@ -199,7 +199,7 @@ TEST(FirstContact, ShiftedBodiesAreProvenSeparateUntilThen) {
     Scene scene = random_scene(random, all);
     if (scene.a.sample.hierarchy.solid == Solid::surface_only) continue;
     if (scene.b.sample.hierarchy.solid == Solid::surface_only) continue;
-    // Without rotation a part of a step is a step.
+    // Without rotation a part of a step is a step as well.
     scene.motion_a.end.linear() = scene.motion_a.start.linear();
     scene.motion_b.end.linear() = scene.motion_b.start.linear();
     scene.motion_a.end.translation() = scene.motion_a.start.translation() + random.point(1);
@@ -224,9 +224,9 @@ TEST(FirstContact, ShiftedBodiesAreProvenSeparateUntilThen) {
   EXPECT_GT(contacts, 40);
 }
 
-// ---- What a contact says ---------------------------------------------------
+// ---- Content of a contact -------------------------------------------------
 
-/// Where the material point that is at `world` at time t gets to, less where it came from.
+/// Displacement since the start of the material point that is at `world` at time t.
 Vector path(const Motion& motion, const Vector& world, double t) {
   const Eigen::Matrix3d linear = (1 - t) * motion.start.linear() + t * motion.end.linear();
   const Vector offset = (1 - t) * motion.start.translation() + t * motion.end.translation();
@@ -240,7 +240,7 @@ Real distance_to(const Point& p, const std::vector<RealTriangle>& triangles) {
   return least;
 }
 
-/// Vertices `count` of a mesh, increasing, that some triangle has.
+/// True if the given vertices, in increasing order, belong to one triangle of the mesh.
 bool is_feature(const TriangleMesh& mesh, std::vector<std::int32_t> vertices) {
   if (!std::is_sorted(vertices.begin(), vertices.end())) return false;
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
@@ -275,13 +275,13 @@ TEST(Contacts, LieBetweenTheBodiesAndPointFromBToA) {
     const auto ta = at_time(scene.a.mesh(), scene.a.origin(), scene.motion_a, found->time);
     const auto tb = at_time(scene.b.mesh(), scene.b.origin(), scene.motion_b, found->time);
     const Point point = found->point.cast<Real>();
-    if (found->time == 0) continue;  // as deep as they like
+    if (found->time == 0) continue;  // the bodies may overlap by any depth
     EXPECT_LT(distance_to(point, ta), 0.5 * options.margin + 1e-5);
     EXPECT_LT(distance_to(point, tb), 0.5 * options.margin + 1e-5);
     const Vector relative =
         path(scene.motion_a, found->point, found->time) - path(scene.motion_b, found->point, found->time);
     if (options.margin > 0) {
-      // From one side of the gap to the other.
+      // The normal points from one side of the gap to the other.
       ++margins;
       const Point step = (0.5 * options.margin * found->normal).cast<Real>();
       EXPECT_LT(distance_to(point + step, ta), 1e-5);
@@ -310,7 +310,7 @@ TEST(FirstContact, KnownFallOntoAFace) {
   const std::vector<Body> all = bodies();
   const Body& box = find(all, "box");  // half 1
   const Body& star = find(all, "star");
-  // The tip of the star, at -1, falls from 3 to 0 onto the face at 1: contact after a third.
+  // The tip of the star, at -1, falls from 3 to 0 and reaches the face at 1 after a third of the step.
   const Motion fall{shift(0.25, 0.125, 3), shift(0.25, 0.125, 0)}, rest = Motion::resting(Pose::Identity());
   const auto found = first_contact(*star.shape, fall, *box.shape, rest);
   ASSERT_TRUE(found);
@@ -324,7 +324,7 @@ TEST(FirstContact, KnownFallOntoAFace) {
   EXPECT_EQ(swapped->kind, ContactKind::face_vertex);
   EXPECT_LT((swapped->normal + Vector::UnitZ()).norm(), 1e-9);
   EXPECT_EQ(swapped->vertices[3], found->vertices[0]);
-  // A margin of 0.5 is met by a sixth of the step earlier; an arc counts by the time.
+  // A margin of 0.5 is reached a sixth of the step earlier; the arc counts according to the time.
   const auto early = first_contact(*star.shape, fall, *box.shape, rest, {.margin = 0.5});
   ASSERT_TRUE(early);
   EXPECT_NEAR(early->time, 1.0 / 6, 1e-6);
@@ -377,7 +377,7 @@ TEST(PairContact, CountsTestsAndSaysHowLate) {
   const Motion away = Motion::resting(shift(9, 0, 0)), rest = Motion::resting(Pose::Identity());
   PairContact far(*box.shape, rest, *box.shape, away, {.latest = 0.75});
   EXPECT_EQ(far.latest(), 0.75);
-  // Each of 8 vertices against 12 faces, both ways, and 18 edges against 18: once.
+  // Each of 8 vertices is tested once against 12 faces, both ways, and each of 18 edges once against 18.
   for (std::int32_t i = 0; i < 12; ++i) {
     for (std::int32_t j = 0; j < 12; ++j) far.test(i, j);
   }

@@ -20,7 +20,7 @@ namespace {
 
 using Leaves = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t>;
 
-/// Of two trees in a frame.
+/// Two trees in a common frame.
 struct Scene {
   const SampleTree& a;
   const SampleTree& b;
@@ -39,7 +39,7 @@ struct Scene {
     map_b.offset = random_direction(random) * far * unit;
   }
 
-  // The maps are taken as they are: what is left is the rounding of the bounds.
+  // The maps are used as they are, so only the rounding of the bounds remains.
   BoxDistance bounds() const { return {map_a, a.body(scale_a), map_b, b.body(scale_b), 0}; }
   RealTriangle triangle(bool of_b, std::int32_t leaf) const {
     const SampleTree& tree = of_b ? b : a;
@@ -57,7 +57,7 @@ struct Scene {
 
 struct Visited {
   double limit;
-  double after = std::numeric_limits<double>::infinity();  ///< what every visit answers
+  double after = std::numeric_limits<double>::infinity();  ///< the result of every visit
   std::vector<Leaves> leaves{};
 
   void run(const Scene& scene) {
@@ -78,7 +78,7 @@ TEST(BoxDistance, LeavesOutOnlyWhatIsAtLeastAsFarAsTheLimit) {
   std::size_t left_out = 0, visits = 0;
   for (int round = 0; round < 1500; ++round) {
     const Scene scene(random, all);
-    // The distance of some pair of triangles: bounds are asked for where they are tight.
+    // The limit is the distance of some pair of triangles, where the bounds are tested most sharply.
     const auto ra = static_cast<std::int32_t>(scene.a.arrays.tree.leaves.size());
     const auto rb = static_cast<std::int32_t>(scene.b.arrays.tree.leaves.size());
     const auto of = [&](std::int32_t i, std::int32_t j) {

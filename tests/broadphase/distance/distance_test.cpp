@@ -56,7 +56,7 @@ ShapePtr ring(double radius) {
   return make_shape(mesh);
 }
 
-/// Of surfaces, in long double.
+/// Distance of the surfaces, in long double.
 Real brute_force(const Body& a, const Motion& motion_a, const Body& b, const Motion& motion_b) {
   const auto ta = at_time(a.mesh(), a.origin(), motion_a, 0), tb = at_time(b.mesh(), b.origin(), motion_b, 0);
   Real least = infinity;
@@ -101,7 +101,7 @@ TEST(Distance, BoundsDifferByRoundingHoweverFarOrNear) {
     Motion at_b = Motion::resting(random_pose(random, 10), scale_b);
     if (round % 2 == 0) at_b.start.translation() = at_a.start.translation();
     const Vector way = random_direction(random);
-    // Far, up to 1e6 sizes; or so that the surfaces are some 1e-12 to 1e-2 apart.
+    // The bodies are far apart, up to 1e6 sizes, or their surfaces are some 1e-12 to 1e-2 apart.
     at_b.start.translation() += way * size * (round % 4 == 0 ? std::pow(10, random(1, 6)) : 2);
     if (round % 4 != 0) {
       const DistanceResult found = distance(*a.shape, at_a, *b.shape, at_b);
@@ -137,7 +137,7 @@ TEST(Distance, LargeMeshesFarAwayTakeNoLonger) {
   }
 }
 
-// ---- What is known ---------------------------------------------------------
+// ---- Known answers -----------------------------------------------------------
 
 TEST(Distance, KnowsTheNearestFeatures) {
   const std::vector<Body> all = bodies();
@@ -201,7 +201,7 @@ TEST(Distance, IsZeroInsideASolidAndNotInACavity) {
     EXPECT_LT((held.point_a - small.start.translation()).norm(), 0.05);
     EXPECT_EQ(swapped ? held.triangle_b : held.triangle_a, -1);
     EXPECT_GE(swapped ? held.triangle_a : held.triangle_b, 0);
-    // However low the limit.
+    // This holds for any limit.
     EXPECT_EQ(distance(box, still, star, small, {.limit = 1e-3}).upper, 0);
     const double cages =
         swapped ? cage_distance_bound(star, small, shell, still) : cage_distance_bound(shell, still, star, small);
@@ -220,7 +220,7 @@ TEST(Distance, BodiesThatCrossAreNoDistanceApart) {
   EXPECT_EQ(crossing.upper, 0);
   EXPECT_LT((crossing.point_a - crossing.point_b).norm(), 1e-14);
   EXPECT_NEAR(crossing.point_a.cwiseAbs().maxCoeff(), 1, 1e-14);
-  // Touching: nobody can say whether they cross.
+  // Bodies that touch: rounding leaves it undecided whether they cross.
   const DistanceResult touching = ask(box, Pose::Identity(), box, shift(2, 0.25, 0.5));
   EXPECT_EQ(touching.lower, 0);
   EXPECT_LT(touching.upper, 1e-12);
@@ -290,7 +290,7 @@ TEST(Distance, PosesAndOptionsThatAreNotUsableProveNothing) {
   EXPECT_EQ(bound(box, Pose::Identity(), box, shift(std::nan(""), 0, 0)), 0);
   EXPECT_EQ(bound(box, Pose::Identity(), box, shift(9, 0, 0), {.enough = std::nan("")}), 0);
   EXPECT_EQ(ask(box, Pose::Identity(), box, shift(9, 0, 0), {.limit = -1}).lower, 0);
-  // Only the start counts.
+  // Only the start of the motion counts.
   Motion motion = Motion::resting(Pose::Identity());
   motion.end.linear() *= 5;
   EXPECT_NEAR(distance(box, motion, box, Motion::resting(shift(4, 0, 0))).lower, 2, 1e-12);
@@ -364,7 +364,7 @@ TEST(Distance, CompoundsAreAsNearAsTheirNearestParts) {
   const DistanceResult unhinted = ask(*box.shape, at, *compound, Pose::Identity());
   for (const TrianglePair hint : {TrianglePair{0, least}, TrianglePair{least, 0}, TrianglePair{least, least}}) {
     const DistanceResult same = ask(*box.shape, at, *compound, Pose::Identity(), {.hint = hint});
-    EXPECT_EQ(same.lower, unhinted.lower);  // the sanitizer sees whether the hint overflows
+    EXPECT_EQ(same.lower, unhinted.lower);  // the sanitizer reports an overflow of the hint
     EXPECT_EQ(same.upper, unhinted.upper);
   }
   const double cages = bound(*compound, Pose::Identity(), *box.shape, at, {.finest_cage = 0});

@@ -14,7 +14,7 @@ namespace {
 using Pose = Eigen::Isometry3d;
 using Vector = Eigen::Vector3d;
 
-// long double has 11 more bits: near enough to exact for these bounds.
+// long double has 11 more bits, which makes it practically exact for these bounds.
 using VectorL = Eigen::Matrix<long double, 3, 1>;
 VectorL world(const Sample& s, const Pose& pose, const Vector& vertex) {
   const VectorL body = s.hierarchy.origin.cast<long double>() + vertex.cast<long double>();
@@ -44,7 +44,7 @@ TEST(Frames, RequiredDistanceCoversTheRoundingOfFrames) {
         worst = std::max(worst, error.norm() / distance);
       }
     }
-    // Half of it, for a second use in containment.
+    // Only half of the bound may be used up, since containment uses it a second time.
     EXPECT_LT(worst, 0.25) << reach;
     EXPECT_GT(worst, 0) << reach;
   }

@@ -70,7 +70,7 @@ TEST(UsableMotions, TurnBelow180Degrees) {
     EXPECT_TRUE(usable(179.9));
     EXPECT_FALSE(usable(179.99));
     EXPECT_FALSE(usable(180));
-    EXPECT_TRUE(usable(180.2));  // 179.8 the other way
+    EXPECT_TRUE(usable(180.2));  // 179.8 degrees the other way
   }
   EXPECT_FALSE(is_usable(Motion{Pose::Identity(), Pose(Eigen::Vector3d(-1, -1, 1).asDiagonal())}));
 }

@@ -13,7 +13,7 @@ namespace {
 using Box = Eigen::AlignedBox3d;
 using Pose = Eigen::Isometry3d;
 using Vector = Eigen::Vector3d;
-using VectorL = Eigen::Matrix<long double, 3, 1>;  // 11 more bits than double
+using VectorL = Eigen::Matrix<long double, 3, 1>;  // 11 bits more than double
 
 class BodyBoxes : public testing::Test {
  protected:
@@ -73,7 +73,7 @@ TEST_F(BodyBoxes, BeyondIsOnlySaidOfBoxesFartherThanTheMargin) {
     HalfSpace plane{vector().normalized() * (1 + 0.9e-9 * uniform()), 0};
     if (i % 3 == 0) plane.normal = Vector::Unit(i % 9 / 3) * (i % 2 == 0 ? 1 : -1);
     const double margin = i % 2 == 0 ? 0 : std::abs(uniform());
-    // Around the place where the answer changes.
+    // The offsets are close to the one at which the answer changes.
     plane.offset = static_cast<double>(distance_beyond(b, plane)) - margin;
     plane.offset += std::pow(10.0, 8 * uniform() - 8) * uniform();
     const long double distance = distance_beyond(b, plane);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// The pair tests of bench/twins, as tests.
+// The pair tests of tests/oracles/twins, run as unit tests.
 
 #include "oracles/twins/run.h"
 
@@ -13,14 +13,14 @@
 
 namespace encage::test {
 
-/// A number from the environment, for longer runs by hand.
+/// Reads a number from the environment, for longer manual runs.
 inline int number_from(const char* variable, int usual) {
   const char* text = std::getenv(variable);
   return text ? std::atoi(text) : usual;
 }
 
-/// Asks about one of `shards` parts of `usual` pairs of a kind; fails for every one missed. Figures become properties
-/// of the test.
+/// Tests one of `shards` parts of `usual` pairs of a kind, and fails for every missed one. The figures become
+/// properties of the test.
 inline twins::Tally ask_pairs(const std::string& name, std::unique_ptr<twins::PairKind> kind, int usual, int shards,
                               int shard) {
   const int pairs = number_from("ENCAGE_TWIN_PAIRS", usual) / shards;

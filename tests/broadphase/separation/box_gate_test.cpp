@@ -38,17 +38,17 @@ RealTriangle at(const SampleTree& tree, std::int64_t triangle, const std::array<
   RealTriangle result;
   for (int k = 0; k < 3; ++k) {
     const Point x = tree.mesh.corner(triangle, k).cast<Real>();
-    const auto place = [&](int end) -> Point {
+    const auto position = [&](int end) -> Point {
       return maps[end].linear.cast<Real>() * x + maps[end].offset.cast<Real>();
     };
-    result[k] = (1 - t) * place(0) + t * place(1);
+    result[k] = (1 - t) * position(0) + t * position(1);
   }
   return result;
 }
 
 constexpr int samples = 16;
 
-/// Least distance of two triangles over evenly spread times, ends included; above `limit`, any value above it.
+/// Least distance of two triangles over evenly spread times, ends included; any larger value if it exceeds `limit`.
 Real least_distance(const SampleTree& a, std::int64_t i, const SampleTree& b, std::int64_t j, const PairMotion& motion,
                     Real limit) {
   Real least = std::numeric_limits<Real>::infinity();
@@ -61,13 +61,13 @@ Real least_distance(const SampleTree& a, std::int64_t i, const SampleTree& b, st
 
 SampleTree scaled(const SampleTree& tree, double factor) { return SampleTree(shapes::scaled(tree.mesh, factor)); }
 
-/// A step of two bodies whose surfaces pass each other closely; turned by up to 179 degrees.
+/// A step of two bodies whose surfaces pass each other closely, turned by up to 179 degrees.
 PairMotion random_step(shapes::Random& random, const SampleTree& a, const SampleTree& b, double size) {
   PairMotion motion;
   const bool rest = random.integer(6) == 0, fast = random.integer(3) == 0;
   const double angle = fast ? 3.12 : 0.3;
   const auto turn = [&] { return random_rotation(random, angle); };
-  // Some vertex of a and some vertex of b at the same place, or nearly, at a random time.
+  // Some vertex of a and some vertex of b meet, or almost meet, at a random time.
   const auto vertex = [&](const SampleTree& tree) -> Eigen::Vector3d {
     return tree.mesh.vertex(random.integer(static_cast<int>(tree.mesh.vertices.rows())));
   };
@@ -87,22 +87,22 @@ PairMotion random_step(shapes::Random& random, const SampleTree& a, const Sample
   motion.at_rest = rest;
   if (rest) motion.b[1] = motion.b[0];
   if (random.integer(3) != 0) return motion;
-  // An interval of it, in which the maps are no rotations at all.
+  // An interval of the step, in which the maps are not rotations.
   const double t0 = 0.125 * random.integer(7);
   return motion.part(t0, t0 + 0.125 * (1 + random.integer(static_cast<int>((1 - t0) * 8))));
 }
 
 TEST(BoxGate, NeverDropsLeavesThatComeNear) {
-  const char* rounds = std::getenv("ENCAGE_GATE_ROUNDS");  // longer runs by hand
+  const char* rounds = std::getenv("ENCAGE_GATE_ROUNDS");  // for longer manual runs
   shapes::Random random(5);
   const std::vector<SampleTree> all = sample_trees(8, 4, 1);
   std::int64_t visits = 0, dropped = 0;
   for (int round = 0; round < (rounds ? std::atoi(rounds) : 600); ++round) {
-    // Sizes from the smallest to the largest that float32 holds; far off the local origins.
+    // The sizes range from the smallest to the largest that float32 represents; some are far off the local origins.
     constexpr double factors[] = {1, 1, 1, 1e6, 1e-20, 1e-30, 1e-37, 1e30, 6e37};
     const double factor = factors[random.integer(9)];
     SampleTree a = scaled(all[random.integer(7)], factor), b = scaled(all[random.integer(7)], factor);
-    // Unlike sizes.
+    // Some bodies differ in size.
     if (random.integer(4) == 0 && factor < 6e37) b = scaled(b, std::pow(10.0, random(-4, 0)));
     if (random.integer(8) == 0 && factor <= 1) a = scaled(a, std::pow(10.0, random(0, 6)));
     if (factor == 1e6) {
@@ -113,11 +113,11 @@ TEST(BoxGate, NeverDropsLeavesThatComeNear) {
     const PairMotion motion = random_step(random, a, b, size);
     const auto triangles_a = static_cast<std::int32_t>(a.mesh.triangles.rows());
     const auto triangles_b = static_cast<std::int32_t>(b.mesh.triangles.rows());
-    // The distance of some pair, so that this pair just has to be visited.
+    // The limit is the distance of some pair, so this pair barely has to be visited.
     const Real picked = least_distance(a, random.integer(triangles_a), b, random.integer(triangles_b), motion,
                                        std::numeric_limits<Real>::infinity());
     const double distance = random.integer(4) == 0 ? 1e-9 * size : static_cast<double>(picked) * (1 + 1e-12) + 1e-300;
-    // One interval, or cut into shorter ones.
+    // The step is one interval, or cut into shorter ones.
     std::set<std::pair<std::int32_t, std::int32_t>> found;
     const int cuts = motion.at_rest ? 1 : std::vector{1, 1, 2, 4}[random.integer(4)];
     for (int cut = 0; cut < cuts; ++cut) {
@@ -163,7 +163,7 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
     for (const auto& [first_a, count_a, first_b, count_b] :
          visited(a, b, BoxGate(motion, a.body(), b.body(), distance))) {
       ++visits;
-      // Leaves of about 0.2 across that move by as much.
+      // The leaves are about 0.2 wide and move by as much.
       Real least = 1;
       for (std::int32_t i = first_a; i < first_a + count_a; ++i) {
         for (std::int32_t j = first_b; j < first_b + count_b; ++j) {
@@ -182,7 +182,8 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
   EXPECT_GE(near_visits * 100, visits * 95);
 }
 
-// Two sheets, parallel but askew to all axes, a hundredth of their size apart: boxes overlap down to the leaves.
+// Two sheets are parallel but askew to all axes, and apart by a hundredth of their size: boxes overlap down to the
+// leaves.
 TEST(BoxGate, SlabsSeparateSheetsWhoseBoxesOverlap) {
   shapes::Random random(8);
   TriangleMesh sheet;
@@ -206,7 +207,7 @@ TEST(BoxGate, SlabsSeparateSheetsWhoseBoxesOverlap) {
       mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
       return SampleTree(mesh);
     };
-    // Both in the same plane, each in a frame of its own; then b is lifted off it.
+    // Both sheets are in one plane, each in a frame of its own; then b is lifted off it.
     const SampleTree a = turned(tilt), b = turned(turn);
     PairMotion motion;
     motion.b[0] = map(tilt * turn.transpose(), tilt.col(2) * 0.01);

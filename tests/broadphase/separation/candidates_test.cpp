@@ -54,7 +54,7 @@ TEST(Candidates, AreThePairsThatComeNearAndNoOthers) {
     };
     const Motion motion_a = motion(pose_a), motion_b = motion(pose_b);
     const double margin = random.integer(2) == 0 ? 0 : random(0, 0.1) * size;
-    // One axis for 1/256 of the step: edges turn away from it.
+    // One axis has to separate for 1/256 of the step, and edges turn away from it.
     const Real gap = angle == 3.1 ? 10 : 1e-6 + 2 * size * angle / 256;
     const Pairs pairs = candidates(a, motion_a, b, motion_b, margin);
     const std::set<std::pair<std::int32_t, std::int32_t>> set(pairs.begin(), pairs.end());
@@ -73,7 +73,7 @@ TEST(Candidates, AreThePairsThatComeNearAndNoOthers) {
         }
         ++found;
         if (value <= margin + gap) continue;
-        // Between the samples, then.
+        // The least distance may be between the samples.
         const Real nearest = least_value([&](Real t) {
           return triangle_distance(at_time(a.mesh(), a.origin(), motion_a, t)[i],
                                    at_time(b.mesh(), b.origin(), motion_b, t)[j]);
@@ -95,7 +95,7 @@ TEST(Candidates, StopWhenAskedTo) {
                                         [&](TrianglePair) { return ++calls < stop_after; }));
     EXPECT_EQ(calls, stop_after);
   }
-  // The same pairs in the same order every time.
+  // The same pairs come in the same order every time.
   EXPECT_EQ(candidates(box, rest, box, rest, 0.1), candidates(box, rest, box, rest, 0.1));
 }
 
@@ -156,7 +156,8 @@ CageHierarchy without_cages(TriangleMesh mesh, Solid solid) {
   return h;
 }
 
-// A grid as fine as the sheet is thin made places overflow: spheres through the sheet were "separated".
+// Regression: with a grid step derived from the sheet's thickness, grid coordinates overflowed, and spheres through the
+// sheet were "separated".
 TEST(Candidates, AreFoundOnSheetsThatAreFlatAcrossAnAxis) {
   for (int across = 0; across < 3; ++across) {
     const ShapePtr flat = make_shape(without_cages(sheet(32, across, 10), Solid::surface_only));

@@ -25,9 +25,9 @@ TEST(Containment, AgreesWithExactWindingNumbers) {
     const ExactBody exact(Vector::Zero(), s.hierarchy.fine, Eigen::Isometry3d::Identity());
     for (int i = 0; i < 600; ++i) {
       Vector p(uniform(random), uniform(random), uniform(random));
-      // Every other one shares coordinates with vertices, edges and faces.
+      // Every other point shares coordinates with vertices, edges and faces.
       if (i % 2 == 0) p = (p * 5).array().round() / 5;
-      // Queries ask only where the surface is farther than rounding.
+      // Queries locate points only if the surface is farther than rounding.
       const ExactBody probe(Vector::Zero(), shapes::box(p, p), Eigen::Isometry3d::Identity());
       if (surfaces_meet(exact, probe, 1e-9)) continue;
       const int number = winding_number(exact, p);
@@ -44,7 +44,7 @@ TEST(Containment, AgreesWithExactWindingNumbers) {
   EXPECT_LE(unknown, asked / 1000);
 }
 
-// A crossing on an edge or a vertex must not be counted once, twice or not at all by chance.
+// A ray that crosses an edge or a vertex must not count it once, twice or not at all by chance.
 TEST(Containment, RaysThroughEdgesAndVerticesDecideNothing) {
   int asked = 0, unknown = 0;
   for (const Sample& s : sample_shapes(0)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bodies that are their surface alone, and shapes made of bare meshes.
+// Hollow bodies, which are their surface alone, and shapes made of meshes without cages.
 #include "oracles/body.h"
 #include "oracles/exact_pair.h"
 #include "oracles/meshes.h"
@@ -29,7 +29,7 @@ bool apart(const ShapePtr& a, const ShapePtr& b, const Pose& pose_b, double marg
   return separated(*a, Motion::resting(Pose::Identity()), *b, Motion::resting(pose_b), {.margin = margin}).separated;
 }
 
-/// Hills and valleys of height 1 over [-n, n]^2, open below.
+/// Returns hills and valleys of height 1 over [-n, n]^2, open below.
 TriangleMesh terrain(int n) {
   TriangleMesh mesh;
   const int side = 2 * n + 1;
@@ -61,7 +61,7 @@ TEST(Hollow, NothingIsInsideAClosedSurface) {
   EXPECT_TRUE(apart(hollow, small, Pose::Identity(), 0.74));
   EXPECT_FALSE(apart(hollow, small, Pose::Identity(), 0.75));
   EXPECT_FALSE(apart(hollow, small, shift(0.75, 0, 0)));
-  // It is in the solid one all the same.
+  // The hollow cube still lies in the solid body.
   EXPECT_FALSE(apart(solid, make_shape(shapes::cube(0.25), {.hollow = true}), Pose::Identity()));
 }
 

@@ -90,13 +90,13 @@ TEST(LeafGate, TellsTrianglesAsTheyWereSet) {
   }
 }
 
-// Coordinates of which products overflow: no proof is better than a wrong one.
+// Products of these coordinates overflow, and the gate must not prove anything then.
 TEST(LeafGate, ProvesNothingByWhatOverflows) {
   shapes::Random random(4);
   for (int round = 0; round < 2'000; ++round) {
     const double scale = std::pow(10.0, random.integer(150));
     MovingTriangle a = random_triangle(random, 0.1), b = a;
-    // They share a corner at both ends.
+    // The triangles share a corner at both ends.
     b.start[1] = random.point(1);
     b.start[2] = random.point(1);
     b.end[1] = b.start[1] + random.point(0.1);

@@ -32,7 +32,7 @@ std::vector<Body> bodies() {
   return all;
 }
 
-/// Height of a vertex above the plane at both ends.
+/// Heights of a vertex above the plane at both ends.
 std::pair<Real, Real> heights(const Body& body, std::int64_t v, const Motion& motion, const HalfSpace& plane) {
   const Point x = (body.origin() + body.mesh().vertex(static_cast<std::int32_t>(v))).cast<Real>();
   const auto height = [&](const Pose& pose) {
@@ -42,7 +42,8 @@ std::pair<Real, Real> heights(const Body& body, std::int64_t v, const Motion& mo
   return {height(motion.start), height(motion.end)};
 }
 
-/// When a height of h0 + (h1 - h0) t first is no more than margin + arc 4 t (1 - t); no value if not in [0, 1].
+/// The first time at which a height of h0 + (h1 - h0) t is no more than margin + arc 4 t (1 - t); no value if it is not
+/// in [0, 1].
 std::optional<Real> first_time(Real h0, Real h1, Real margin, Real arc) {
   const Real a = h0 - margin, c = 4 * arc, b = h1 - h0 - c;
   if (a <= 0) return 0;
@@ -65,12 +66,12 @@ Scene random_scene(shapes::Random& random, const std::vector<Body>& all) {
   Pose pose = random_pose(random, 0);
   pose.translation() = random.point(3) - pose.linear() * body.origin();
   Motion motion = random_motion(random, pose, random.integer(3) == 0 ? 3.1 : 0.3, size);
-  // About the local origin.
+  // The body turns about its local origin.
   motion.end.translation() += motion.start.linear() * body.origin() - motion.end.linear() * body.origin();
   if (random.integer(8) == 0) motion.end = motion.start;
   HalfSpace plane;
   plane.normal = random_direction(random);
-  // So that the lowest vertex starts or ends close to the plane, or anywhere.
+  // The lowest vertex starts or ends close to the plane, or anywhere.
   Real low = std::numeric_limits<Real>::infinity();
   for (std::int64_t v = 0; v < body.mesh().vertices.rows(); ++v) {
     const auto [h0, h1] = heights(body, v, motion, plane);
@@ -90,7 +91,7 @@ TEST(PlaneCheck, AgreesWithEveryVertexInLongDouble) {
   for (int round = 0; round < 20'000; ++round) {
     SCOPED_TRACE(round);
     const Scene s = random_scene(random, all);
-    // Distances that the check may be off by: far above its rounding at 1000 from the origin.
+    // The check may be off by this distance, which is far above its rounding at 1000 from the origin.
     constexpr double slack = 1e-10;
     Real low = std::numeric_limits<Real>::infinity(), earliest = 2, latest = 2;
     for (std::int64_t v = 0; v < s.body.mesh().vertices.rows(); ++v) {
@@ -130,7 +131,7 @@ TEST(PlaneCheck, AgreesWithEveryVertexInLongDouble) {
       EXPECT_NEAR(static_cast<double>(height), s.margin + s.arc * 4 * found->time * (1 - found->time), 1e-5);
     }
     EXPECT_EQ(found->vertices[1], -1);
-    // The cut changes nothing else.
+    // An earlier `latest` changes nothing else.
     const auto again =
         first_contact(*s.body.shape, s.motion, s.plane, {.margin = s.margin, .arc = s.arc, .latest = found->time});
     ASSERT_TRUE(again);
@@ -152,7 +153,7 @@ TEST(PlaneCheck, TiesGoToTheSmallestVertex) {
   const auto found = first_contact(*box.shape, fall, HalfSpace{.offset = -0.5});
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->time, 0.75, 1e-6);
-  EXPECT_EQ(found->vertices[0], 0);  // of the four at the bottom
+  EXPECT_EQ(found->vertices[0], 0);  // the first of the four at the bottom
 }
 
 TEST(PlaneCheck, KnownAnswersWithAnArc) {

@@ -52,10 +52,10 @@ class SeparatedResting : public testing::TestWithParam<int> {};
 
 TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
   const twins::Tally figures = ask_pairs("resting", twins::resting_pairs(), 44'000, shards, GetParam());
-  // The test attacks only if both answers are common.
+  // The test is significant only if both answers are common.
   EXPECT_GT(figures.rejected, figures.pairs / 5);
   EXPECT_LE(figures.far_kept, figures.far / 100);
-  // Shares of fewer than these are chance (sanitizers run few pairs).
+  // With fewer samples the fractions are left to chance (sanitizers run few pairs).
   if (figures.sampled < 50) return;
   EXPECT_GT(figures.touching + figures.within_margin, figures.sampled / 5);
   EXPECT_GT(figures.far, figures.sampled / 20);
@@ -79,7 +79,7 @@ TEST(Separated, SampleCagesNest) {
         const Vector p = inner->vertices.row(v).transpose();
         EXPECT_EQ(winding_number(cage, p), 1) << s.name;
       }
-      // The other condition: no cavity of the cage in the solid.
+      // The second condition: no cavity of the cage lies in the solid.
       if (s.hierarchy.solid == Solid::closed) {
         EXPECT_FALSE(holds_component(exact_inner, cage)) << s.name;
       }
@@ -94,7 +94,7 @@ TEST(Separated, NamesTheStageOfTheProof) {
   const std::vector<Body> all = bodies();
   const Body& box = find(all, "box");  // half 1, cages 1.05 and 1.3
   const auto at = [&](double y) { return ask(box, shift(0, 0, 0), box, shift(1.9, y, 0)); };
-  // Turned by 45 degrees about z, faces point along (1,1,0): world boxes overlap longer.
+  // After a turn of 45 degrees about z, faces point along (1,1,0) and world boxes overlap up to a larger distance.
   const auto turned = [&](double distance) {
     Pose a = Pose::Identity(), b = Pose::Identity();
     a.linear() = b.linear() = Eigen::AngleAxisd(std::atan(1.0), Vector::UnitZ()).toRotationMatrix();
@@ -118,7 +118,7 @@ TEST(Separated, AsksCagesOnlyInFrontOfNothingBetter) {
   const Body& box = find(all, "box");
   Pose a = Pose::Identity(), b = Pose::Identity();
   a.linear() = b.linear() = Eigen::AngleAxisd(std::atan(1.0), Vector::UnitZ()).toRotationMatrix();
-  b.translation() = Vector(1, 1, 0).normalized() * 2.7;  // cages 1.05 and 1.3 would do
+  b.translation() = Vector(1, 1, 0).normalized() * 2.7;  // cages 1.05 and 1.3 would separate
   const auto verdict = [&](const Body& x, const PairOptions& options) {
     return separated(*x.shape, Motion::resting(a), *x.shape, Motion::resting(b), options);
   };
@@ -192,7 +192,7 @@ TEST(Separated, InsideOutAndDoubledSolidsAreSolid) {
   Sample s = without_cages(find(all, "box").sample);
   s.hierarchy.fine = shapes::flipped(s.hierarchy.fine);
   EXPECT_FALSE(ask(Body(s), Pose::Identity(), small, Pose::Identity()).separated);
-  // Winding number 2 in the inner box: still solid, though a ray crosses twice.
+  // The winding number in the inner box is 2: it is still solid, though a ray crosses the surface twice.
   s.hierarchy.fine =
       shapes::joined(s.hierarchy.fine, shapes::flipped(shapes::box(Vector::Constant(-0.5), Vector::Constant(0.5))));
   EXPECT_FALSE(ask(Body(s), Pose::Identity(), small, Pose::Identity()).separated);
@@ -206,15 +206,15 @@ TEST(Separated, UnknownInteriorAnswersMaybeForWhatLiesInTheBox) {
     EXPECT_FALSE(ask(host, Pose::Identity(), small, Pose::Identity()).separated);
     EXPECT_FALSE(ask(small, Pose::Identity(), host, Pose::Identity()).separated);
   }
-  // Without its fine mesh nothing shows that the guest sticks out, though the cages are apart.
+  // Without its fine mesh nothing proves that the guest sticks out, though the cages are apart.
   Pose turned = Pose::Identity();
   turned.linear() = Eigen::AngleAxisd(std::atan(1.0), Vector::UnitZ()).toRotationMatrix();
   EXPECT_TRUE(ask(open, turned, small, shift(1.3, 1.3, 0)).separated);
   EXPECT_FALSE(ask(open, turned, Body(without_fine(small.sample)), shift(1.3, 1.3, 0)).separated);
-  // It sticks out through the opening (the lid was at z = 1) without touching.
+  // The guest sticks out through the opening (the lid was at z = 1) without touching.
   EXPECT_TRUE(ask(Body(without_cages(open.sample)), Pose::Identity(), small, shift(0, 0, 0.9)).separated);
   EXPECT_FALSE(ask(Body(without_cages(open.sample)), Pose::Identity(), small, shift(0, 0.9, 0)).separated);
-  // The closed body holds the open one: its interior is known.
+  // The closed body contains the open one, and its interior is known.
   const Body small_open(scaled(open.sample, -3));
   EXPECT_FALSE(ask(small_open, Pose::Identity(), find(all, "box"), Pose::Identity()).separated);
 }
@@ -227,7 +227,7 @@ TEST(Separated, UnknownInteriorAnswersMaybeForWhatMovesIntoIt) {
     return separated(*open.shape, Motion::resting(Pose::Identity()), *small.shape, {shift(0, 0, from), shift(0, 0, to)})
         .separated;
   };
-  // Through the opening, without touching: in, out, and through to where it still sticks out.
+  // The guest passes through the opening without touching: in, out, and through until it still sticks out.
   EXPECT_FALSE(drop(3, 0));
   EXPECT_FALSE(drop(0, 3));
   EXPECT_TRUE(drop(3, 0.9));
@@ -254,7 +254,7 @@ TEST(Separated, MarginIsADistanceThatMustBeExceeded) {
     EXPECT_FALSE(ask(box, turned, box, b, std::numeric_limits<double>::infinity()).separated);
     EXPECT_FALSE(ask(box, turned, box, b, std::numeric_limits<double>::quiet_NaN()).separated);
     EXPECT_FALSE(ask(box, turned, box, shift(100, 0, 0), -1).separated);
-    // Corner to corner: the distance counts, not the one along an axis.
+    // The bodies are corner to corner: the distance counts, not the one along an axis.
     EXPECT_TRUE(ask(box, Pose::Identity(), box, shift(2.5, 2.5, 2.5), 0.866).separated);
     EXPECT_FALSE(ask(box, Pose::Identity(), box, shift(2.5, 2.5, 2.5), 0.8661).separated);
     EXPECT_TRUE(ask(box, turned, box, turned * shift(2.5, 2.5, 2.5), 0.866).separated);
@@ -299,10 +299,10 @@ TEST(Separated, AMovingPairIsSeparatedDuringTheWholeStep) {
   };
   EXPECT_TRUE(sweep(shift(3, -5, 0), shift(3, 5, 0)).separated);
   EXPECT_EQ(sweep(shift(3, -5, 0), shift(3, 5, 0)).stage, Stage::box);
-  // Apart at both ends, through the other on the way.
+  // The bodies are apart at both ends, but one passes through the other in between.
   EXPECT_FALSE(sweep(shift(1, -5, 0), shift(1, 5, 0)).separated);
   EXPECT_TRUE(sweep(shift(5, -5, 0), shift(-5, -5, 0)).separated);
-  // Past a corner, where the swept boxes meet.
+  // The body passes a corner, where the swept boxes overlap.
   EXPECT_FALSE(sweep(shift(2.5, -1, 0), shift(-1, 2.5, 0)).separated);
   EXPECT_TRUE(sweep(shift(4.5, 0, 0), shift(0, 4.5, 0)).separated);
   EXPECT_NE(sweep(shift(4.5, 0, 0), shift(0, 4.5, 0)).stage, Stage::box);

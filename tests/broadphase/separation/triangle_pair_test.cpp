@@ -16,7 +16,7 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-// What a caller allows for rounding, for corners within `size`.
+// A caller's allowance for rounding, for corners within `size`.
 double slack(double size) { return 1e-14 * size; }
 
 class TrianglePairs : public testing::Test {
@@ -48,7 +48,7 @@ TEST_F(TrianglePairs, NeverApartWhenTheyMeet) {
     apart += said;
     meeting += meet;
     ASSERT_FALSE(said && meet) << "pair " << i;
-    // Complete: whatever is farther by a little more than the slack is found.
+    // The test is complete: it separates all triangles that are farther apart by little more than the slack.
     if (!meet && !test::triangles_meet(a, b, margin + 1e-9)) {
       ASSERT_TRUE(said) << "pair " << i;
     }
@@ -58,7 +58,7 @@ TEST_F(TrianglePairs, NeverApartWhenTheyMeet) {
 }
 
 TEST_F(TrianglePairs, TinyAxesDoNotShrinkTheMargin) {
-  // Edges a hair from parallel: their cross product is so short that its squares underflow.
+  // The edges are almost parallel: their cross product is so short that its squares underflow.
   const TriangleD a{Vector(-10, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)};
   for (const double turn : {1e-100, 1e-150, 1e-160, 2.3636e-164, 2.4546e-164, 1e-170, 1e-300}) {
     for (const double z : {0.85, 0.9, 0.99}) {
@@ -71,7 +71,7 @@ TEST_F(TrianglePairs, TinyAxesDoNotShrinkTheMargin) {
 }
 
 TEST_F(TrianglePairs, NearContactOfEveryFeaturePair) {
-  // From contact of two features, moved along their common normal until they miss by `gap`.
+  // Two features touch, and are then moved along their common normal until they miss by `gap`.
   const TriangleD a = {Vector(0, 0, 0), Vector(1, 0, 0), Vector(0, 1, 0)};
   const std::vector<TriangleD> placed = {
       {Vector(0.2, 0.2, 0), Vector(0.1, 0.3, 1), Vector(0.4, 0.2, 1)},         // vertex above the face
@@ -111,7 +111,7 @@ test::Real least_distance(const MovingTriangle& a, const MovingTriangle& b) {
 
 class MovingTrianglePairs : public TrianglePairs {
  protected:
-  /// Nearly rigid motions, or any.
+  /// Returns a motion that is nearly rigid, or any motion.
   MovingTriangle moving(double turn, double way) {
     MovingTriangle m;
     m.start = triangle();
@@ -129,7 +129,7 @@ TEST_F(MovingTrianglePairs, NeverApartWhenTheyComeNear) {
   int full = 0, quick = 0, near = 0;
   for (int i = 0; i < 1'500; ++i) {
     MovingTriangle a = moving(i % 2 == 0 ? 3 : 0.3, 1), b = moving(i % 2 == 0 ? 3 : 0.3, 1);
-    if (i % 4 == 0) a.end = triangle(), b.end = triangle();  // no rigid motion at all
+    if (i % 4 == 0) a.end = triangle(), b.end = triangle();  // not a rigid motion
     shift(b, point() * 1.5);
     const double margin = i % 3 == 0 ? 0 : uniform(0, 0.5);
     const bool said = moving_triangles_apart(a, b, margin + slack(6));
@@ -138,7 +138,7 @@ TEST_F(MovingTrianglePairs, NeverApartWhenTheyComeNear) {
     full += said;
     quick += said_quickly;
     near += least <= margin;
-    // A distance at some time is one of the motion.
+    // A distance at a sampled time is a distance of the motion.
     ASSERT_FALSE(said && least <= margin) << "pair " << i;
     ASSERT_FALSE(said_quickly && least <= margin) << "pair " << i;
   }
@@ -149,7 +149,8 @@ TEST_F(MovingTrianglePairs, NeverApartWhenTheyComeNear) {
 
 TEST_F(MovingTrianglePairs, FindsWhatIsApartByLittle) {
   for (const double turn : {0.0, 0.01, 0.3}) {
-    // One axis for 1/256 of the step: edges of length 3 turn away from it by as much as they turn in half of that.
+    // One axis has to separate for 1/256 of the step; edges of length 3 turn away from it by their turn in half of
+    // that.
     const double least_gap = 1e-6 + 2 * 3 * turn / 512;
     int asked = 0, quick = 0;
     for (int i = 0; i < 500; ++i) {
@@ -189,7 +190,7 @@ TEST_F(MovingTrianglePairs, WhatPassesThroughIsNotApart) {
     }
     EXPECT_FALSE(moving_triangles_apart({face, face}, m, 1e-12 * height));
     EXPECT_FALSE(test::lanes_apart({face, face}, m, 2, 1e-12 * height));
-    // Beside it, as fast.
+    // The second triangle moves beside the first one at the same speed.
     shift(m, Vector(2, 0, 0));
     EXPECT_TRUE(moving_triangles_apart({face, face}, m, 1e-9));
   }

@@ -26,22 +26,23 @@ Pose turned(double angle, const Vector& axis, const Vector& at = Vector::Zero())
   return pose;
 }
 
-/// Where a point of the body frame truly is: `pivot` on its straight path, turning at uniform angular velocity.
+/// True position of a point of the body frame: `pivot` moves on its straight path, and the body turns at uniform
+/// angular velocity.
 Point on_arc(const Motion& motion, const Vector& pivot, const Point& x, Real t) {
   using Rotation = Eigen::AngleAxis<Real>;
   const Rotation turn(
       Eigen::Matrix<Real, 3, 3>((motion.end.linear() * motion.start.linear().transpose()).cast<Real>()));
-  const auto place = [&](const Pose& pose) -> Point { return (pose * pivot).cast<Real>(); };
-  const Point centre = (1 - t) * place(motion.start) + t * place(motion.end);
+  const auto position = [&](const Pose& pose) -> Point { return (pose * pivot).cast<Real>(); };
+  const Point centre = (1 - t) * position(motion.start) + t * position(motion.end);
   const Point arm = motion.start.linear().cast<Real>() * (x - pivot.cast<Real>());
   return centre + Rotation(turn.angle() * t, turn.axis()) * arm;
 }
 
 Point on_line(const Motion& motion, const Point& x, Real t) {
-  const auto place = [&](const Pose& pose) -> Point {
+  const auto position = [&](const Pose& pose) -> Point {
     return pose.linear().cast<Real>() * x + pose.translation().cast<Real>();
   };
-  return (1 - t) * place(motion.start) + t * place(motion.end);
+  return (1 - t) * position(motion.start) + t * position(motion.end);
 }
 
 TEST(ArcMargin, BoundsTheDepartureFromStraightPaths) {
@@ -70,7 +71,7 @@ TEST(ArcMargin, BoundsTheDepartureFromStraightPaths) {
       for (int s = 0; s <= 32; ++s) {
         const Real t = Real(s) / 32;
         const Real off = (on_arc(motion, pivot, x, t) - on_line(motion, x, t)).norm();
-        // Poses are rigid up to 1e-15 only.
+        // The poses are rigid up to 1e-15 only.
         ASSERT_LE(off, static_cast<Real>(arc) * 4 * t * (1 - t) * (1 + 1e-9L) + 1e-13L) << v << " " << s;
       }
     }
@@ -78,7 +79,7 @@ TEST(ArcMargin, BoundsTheDepartureFromStraightPaths) {
 }
 
 TEST(ArcMargin, IsTightForAVertexFarthestFromTheAxis) {
-  const Body box(without_cages(sample_shapes(0)[1]));  // its farthest vertices at sqrt(3)
+  const Body box(without_cages(sample_shapes(0)[1]));  // its farthest vertices are at sqrt(3)
   for (const double angle : {0.001, 0.1, 1.0, 3.0, 179 * degree}) {
     const Motion motion{Pose::Identity(), turned(angle, Vector(1, -1, 0))};  // (1, 1, 1) is orthogonal to the axis
     const double true_bulge = std::sqrt(3.0) * (1 - std::cos(angle / 2));

@@ -34,7 +34,7 @@ Pose shift(double x, double y, double z) {
   return pose;
 }
 
-/// A compound and what it is made of.
+/// A compound and its parts.
 struct Group {
   std::vector<const Body*> bodies;
   std::vector<CompoundPart> parts;
@@ -124,7 +124,7 @@ TEST(Compounds, NoContactOfPartsIsMissed) {
     const double margin = groups.random.coin() ? 0 : groups.random.uniform(0, 0.5);
     const bool apart =
         separated(*a.shape, motion_a, *b.shape, motion_b, {.margin = margin, .cages = CageUse::always}).separated;
-    // What the exact twin does not see of the rounding of the parts' places is below 1e-12.
+    // The exact oracle does not model the rounding of the parts' positions, which is below 1e-12.
     const auto meet = [&](double distance) {
       for (std::size_t p = 0; p < a.parts.size(); ++p) {
         const Motion of_a = a.motion(p, motion_a);
@@ -154,7 +154,7 @@ TEST(Compounds, NoContactOfPartsIsMissed) {
   EXPECT_EQ(kept, 0);
 }
 
-/// Every query about the whole is the union of what it says about the parts.
+/// The answer to every query about a compound is the union of the answers about its parts.
 TEST(Compounds, CandidatesAndContactsAreThoseOfTheParts) {
   Groups groups(3);
   int candidates = 0, contacts = 0;
@@ -286,11 +286,11 @@ TEST(Compounds, PlacesThatCancelInNestsCountInFull) {
     farthest = std::max(farthest, static_cast<double>((exact - computed).norm()));
     EXPECT_TRUE(world_box(*nest, Motion::resting(Pose::Identity())).contains(exact.cast<double>()));
   }
-  // More than the size of what is left accounts for.
+  // The size of the resulting position does not account for this error.
   EXPECT_GT(farthest, 1e-9);
   EXPECT_LE(farthest, part.slack);
 
-  // About where the part seems to be, the arc of its farthest corner.
+  // The pivot is the computed position of the part; the arc is that of its farthest corner.
   Motion turn;
   turn.end.linear() = Eigen::AngleAxisd(1, Vector::UnitZ()).toRotationMatrix();
   const Vector pivot = part.motion.start.translation();
@@ -319,7 +319,7 @@ TEST(Compounds, NestsThatLeaveTheRangeOfNumbersAreRefused) {
     }
     return "";
   };
-  // Would come back as a point: 1e-322 has two digits, 1e-350 none.
+  // Without the check, the scale would collapse: 1e-322 has two digits, 1e-350 none.
   const ShapePtr tiny = in(cube, 1e-50);
   EXPECT_EQ(message([&] { in(tiny, 1e-50); }), "part 0: its part 0: the scale is 1e-100, not between 1e-50 and 1e50");
   EXPECT_EQ(message([&] { in(in(cube, 1e50), 1e50); }),
@@ -333,7 +333,7 @@ TEST(Compounds, NestsThatLeaveTheRangeOfNumbersAreRefused) {
             "part 1: it reaches 1.41421356237e+150 from the origin, farther than 1e150");
   EXPECT_EQ(message([&] { in(in(cube, 1, shift(1e140, 0, 0)), 1e20); }),
             "part 0: its part 0: the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
-  // What poses depart from rigid adds up.
+  // The departures of poses from rigid add up.
   Pose larger = Pose::Identity();
   larger.linear() *= 1 + 2e-13;
   ShapePtr nest = cube;
@@ -342,7 +342,7 @@ TEST(Compounds, NestsThatLeaveTheRangeOfNumbersAreRefused) {
   for (; refused.empty() && depth < 400; ++depth) refused = message([&] { nest = in(nest, 1, larger); });
   EXPECT_EQ(refused,
             "part 0: its part 0: the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
-  EXPECT_NEAR(depth, 1e-10 / (std::sqrt(3.0) * 4e-13), 2);  // in Frobenius' norm
+  EXPECT_NEAR(depth, 1e-10 / (std::sqrt(3.0) * 4e-13), 2);  // in the Frobenius norm
 }
 
 TEST(Compounds, LiveInAWorldAndAllocateNothing) {

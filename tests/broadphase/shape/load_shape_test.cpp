@@ -29,7 +29,7 @@ TriangleMesh rounded(TriangleMesh mesh) {
   return mesh;
 }
 
-/// Of some hundred triangles: trees of several nodes.
+/// A hierarchy of some hundred triangles, whose trees have several nodes.
 CageHierarchy large_hierarchy() {
   CageHierarchy h = sample_hierarchy();
   h.cap_count = 0;
@@ -72,7 +72,7 @@ void expect_same(const Shape& shape_a, const Shape& shape_b) {
   expect_same(a.fine, b.fine);
 }
 
-/// Every query once, for some motions; the answers as numbers.
+/// Runs every query once, for some motions, and returns the answers as numbers.
 std::vector<double> answers(const Shape& shape, int rounds = 20) {
   shapes::Random random(1);
   std::vector<double> all;
@@ -118,10 +118,10 @@ TEST(LoadShape, IsTheShapeMadeOfTheHierarchy) {
     const ShapePtr loaded = load_shape(file.path()), made = make_shape(read_asset(file.path()));
     expect_same(*loaded, *made);
     EXPECT_EQ(answers(*loaded), answers(*made));
-    // In place: nothing is built or copied.
+    // The asset is used in place: nothing is built or copied.
     EXPECT_TRUE(loaded->simple().owned_arrays.empty());
     EXPECT_TRUE(loaded->simple().asset.has_value());
-    EXPECT_FALSE(loaded->simple().asset->has_description());  // the index was enough
+    EXPECT_FALSE(loaded->simple().asset->has_description());  // the index is sufficient
     const AssetSection* nodes = loaded->simple().asset->find_section("cage 1 boxes");
     EXPECT_EQ(static_cast<const void*>(loaded->simple().cages[0].tree.nodes.data()), nodes->bytes.data());
   }
@@ -131,7 +131,7 @@ TEST(LoadShape, ReadsAssetsFromBeforeItsTreesWereStored) {
   const std::string data = ENCAGE_TEST_DATA;
   const ShapePtr recent = load_shape(data + "/asset_v1_boxes.glb");
   EXPECT_TRUE(recent->simple().asset.has_value());
-  EXPECT_TRUE(recent->simple().asset->has_description());  // no index
+  EXPECT_TRUE(recent->simple().asset->has_description());  // the asset has no index
   expect_same(*recent, *make_shape(sample_hierarchy()));
   for (const char* before : {"/asset_v1.glb", "/asset_v1_trees.glb"}) {
     const ShapePtr old = load_shape(data + before);
@@ -150,7 +150,7 @@ TEST(LoadShape, OutlivesItsFile) {
     shape = load_shape(file.path());
     expected = answers(*shape);
   }
-  EXPECT_EQ(answers(*shape), expected);  // the file is removed, its pages stay
+  EXPECT_EQ(answers(*shape), expected);  // the file is removed, but its pages stay
 }
 
 TEST(LoadShape, ACopyIsDoneWithItsFile) {
@@ -181,7 +181,7 @@ std::vector<std::string> section_names(const std::string& asset) {
 }
 
 /// Offset and size of a section within the BIN chunk.
-std::pair<std::size_t, std::size_t> place_of(const std::string& asset, const std::string& name) {
+std::pair<std::size_t, std::size_t> location_of(const std::string& asset, const std::string& name) {
   const json document = json::parse(parse_glb(as_byte_span(asset), "f").json);
   for (const json& section : document["extensions"]["ENCAGE_cages"]["sections"]) {
     if (section["name"] != name) continue;
@@ -214,7 +214,7 @@ TEST(LoadShape, NamesFileAndSectionOfADamagedByte) {
   const std::vector<std::string> names = section_names(good);
   EXPECT_EQ(names.size(), 19U);
   for (const std::string& name : names) {
-    const auto [offset, size] = place_of(good, name);
+    const auto [offset, size] = location_of(good, name);
     for (const std::size_t at : {std::size_t{0}, size / 2, size - 1}) {
       std::string bad = good;
       bad[bin + offset + at] ^= 4;
@@ -274,14 +274,14 @@ TEST(LoadShape, DamageThatHashesCannotShowIsRefusedOrHarmless) {
   const std::uint32_t values[] = {0,          1,          2,          3,          7,          8,
                                   0xffffffff, 0x80000000, 0x7fffffff, 0x7f800000, 0xff800000, 0x7fc00000,
                                   0x3f800000, 0xbf800000, 0x00000001, 0x7f7fffff};
-  const char* longer = std::getenv("ENCAGE_DAMAGE_ROUNDS");  // by hand
+  const char* longer = std::getenv("ENCAGE_DAMAGE_ROUNDS");  // for longer manual runs
   const int rounds = longer ? std::atoi(longer) : 80;
   std::mt19937 random(1);
   int refused = 0, accepted = 0;
   for (int round = 0; round < rounds; ++round) {
     SCOPED_TRACE(round);
     const std::string& name = names[random() % names.size()];
-    const auto [offset, size] = place_of(good, name);
+    const auto [offset, size] = location_of(good, name);
     write_bytes(file.path(), forge(good, {}, [&, offset = offset, size = size](std::string& bin) {
                   for (auto changes = 1 + random() % 3; changes > 0; --changes) {
                     const std::size_t word = 4 * (random() % std::max<std::size_t>(size / 4, 1));

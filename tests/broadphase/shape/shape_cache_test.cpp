@@ -21,7 +21,7 @@ const ShapeCacheOptions both_modes[] = {{plenty, LoadMode::map}, {plenty, LoadMo
 
 std::int64_t size_of_fine(const std::filesystem::path& file) { return AssetView(file, Verify::cages).fine_bytes(); }
 
-/// Every query about two bodies, as numbers.
+/// Runs every query about two bodies, and returns the answers as numbers.
 std::vector<double> answers(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b) {
   std::vector<double> all;
   for (const double margin : {0.0, 0.05}) {
@@ -43,7 +43,7 @@ std::vector<double> answers(const Shape& a, const Motion& motion_a, const Shape&
   return all;
 }
 
-/// A question about two of the shapes.
+/// A query about two of the shapes.
 struct Question {
   std::size_t a, b;
   Motion motion_a, motion_b;
@@ -95,7 +95,7 @@ TEST(ShapeCaches, AnswersDoNotDependOnWhatIsInMemory) {
 
 TEST(ShapeCaches, PartsOfCompoundsComeAndGo) {
   const StoredSamples stored;
-  // Each with two parts, next to each other.
+  // Each compound has two adjacent parts.
   const auto compounds = [](const std::vector<ShapePtr>& shapes) {
     std::vector<ShapePtr> all;
     for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -178,7 +178,7 @@ TEST(ShapeCaches, WhatCagesProveNeedsNoFineMesh) {
   world.find_candidates({}, [&](const CandidatePair&) { FAIL() << "one is near"; });
   EXPECT_EQ(cache.statistics().faults, 0);
 
-  // A pair that its cages prove separated although its boxes are not.
+  // Searches for pairs that their cages prove separated although their boxes overlap.
   for (const Question& q : questions(shapes.size(), 400)) {
     const Shape &a = *shapes[q.a], &b = *shapes[q.b];
     world_box(a, q.motion_a), arc_margin(a, q.motion_a);
@@ -212,7 +212,7 @@ TEST(ShapeCaches, ReadAssetsFromBeforeTreesWereStored) {
 
 // ---- Budget ----------------------------------------------------------------
 
-/// Equal copies of one asset, hence of one size.
+/// Equal copies of one asset, which therefore have equal sizes.
 class EqualFiles {
  public:
   explicit EqualFiles(int count) {
@@ -240,16 +240,16 @@ TEST(ShapeCaches, TheLeastRecentlyUsedMeshGoesFirst) {
     for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(misses(i), 1);
     EXPECT_EQ(cache.statistics().resident_meshes, 3);
     EXPECT_EQ(cache.statistics().evictions, 0);
-    EXPECT_EQ(misses(0), 0);  // used again: 1 is the oldest
+    EXPECT_EQ(misses(0), 0);  // used again, so 1 is the oldest
     EXPECT_EQ(misses(3), 1);
     EXPECT_EQ(cache.statistics().evictions, 1);
     for (const std::size_t i : {0u, 2u, 3u}) EXPECT_EQ(misses(i), 0);
-    EXPECT_EQ(misses(1), 1);  // in place of 0
-    EXPECT_EQ(misses(0), 1);  // of 2
+    EXPECT_EQ(misses(1), 1);  // replaces 0
+    EXPECT_EQ(misses(0), 1);  // replaces 2
     for (const std::size_t i : {3u, 1u, 0u}) EXPECT_EQ(misses(i), 0);
-    const FineLease held(*shapes[3]);  // the oldest but held
+    const FineLease held(*shapes[3]);  // the oldest, but leased
     EXPECT_EQ(misses(1) + misses(0), 0);
-    EXPECT_EQ(misses(2), 1);  // in place of 1
+    EXPECT_EQ(misses(2), 1);  // replaces 1
     EXPECT_EQ(misses(3) + misses(0) + misses(2), 0);
     EXPECT_EQ(misses(1), 1);
   }
@@ -292,7 +292,7 @@ TEST(ShapeCaches, NameWhatABudgetIsTooSmallFor) {
                 " bytes, a pair of them more than the budget of " + size + " bytes");
   shape.reset();
   EXPECT_NE(one.load(second), nullptr);
-  // A mesh without a stored tree turns out to be larger than its file said.
+  // A mesh without a stored tree needs more memory than its size in the file.
   const std::string old = std::string(ENCAGE_TEST_DATA) + "/asset_v1.glb";
   ShapeCache small({size_of_fine(old)});
   const ShapePtr built = small.load(old);
@@ -302,7 +302,7 @@ TEST(ShapeCaches, NameWhatABudgetIsTooSmallFor) {
     EXPECT_EQ(error_of([&] { FineLease lease(*built); }).rfind(old + ": the fine mesh needs ", 0), 0u);
     EXPECT_EQ(small.statistics().resident_bytes, 0);
   }
-  // So it does where there is room for it, but not for a pair.
+  // The same happens if there is room for the mesh, but not for a pair.
   const std::int64_t built_size = [&] {
     ShapeCache cache({plenty});
     const ShapePtr alone = cache.load(old);
@@ -323,7 +323,7 @@ TEST(ShapeCaches, NameWhatABudgetIsTooSmallFor) {
 
 // ---- Failures --------------------------------------------------------------
 
-/// What the queries of a shape say whose fine mesh cannot be had.
+/// Checks the results of the queries of a shape whose fine mesh cannot be loaded.
 void expect_failure(const ShapePtr& shape, const std::string& message) {
   const Motion rest = Motion::resting(Eigen::Isometry3d::Identity());
   const Verdict verdict = separated(*shape, rest, *shape, rest);
@@ -374,7 +374,7 @@ TEST(ShapeCaches, NameFileAndSectionOfADamagedFineMeshWhenItIsNeeded) {
     ShapeCache cache(options);
     EXPECT_EQ(error_of([&] { cache.load(equal.files[0]); }),
               equal.files[0].string() + ": section \"cage 1 vertices\": its hash does not match: the file is damaged");
-    // No hash notices this.
+    // No hash detects this damage.
     write_bytes(equal.files[0], forge(good, {}, [&](std::string& bin) {
                   const std::size_t head = parse_glb(as_byte_span(good), "f").head.size();
                   const std::int32_t triangle = 77;
@@ -389,7 +389,8 @@ TEST(ShapeCaches, NameFileAndSectionOfADamagedFineMeshWhenItIsNeeded) {
                   std::memcpy(bin.data() + section_offset(good, "source vertices") - head, &far, sizeof far);
                 }));
     expect_failure(cache.load(equal.files[0]), equal.files[0].string() + ": source: reaches beyond the cages");
-    // Nor this, whose tree has to be built: then it is another size that is given back.
+    // No hash detects this either. The tree of this mesh has to be built, so the size that is given back is another
+    // one.
     write_bytes(equal.files[0], forge(
                                     good,
                                     [](nlohmann::json& d) {
@@ -443,7 +444,7 @@ TEST(ShapeCaches, CopiesNoticeWhatBecomesOfTheirFiles) {
   expect_failure(shape, file.string() + ": section \"source owned\": its hash does not match: the file is damaged");
   write_bytes(file, good);
   EXPECT_NO_THROW(FineLease second(*shape));
-  // What is in memory stays as it is.
+  // The meshes in memory stay unchanged.
   const Motion rest = Motion::resting(Eigen::Isometry3d::Identity());
   const auto before = answers(*shape, rest, *shape, rest);
   write_bytes(file, std::string(good.size(), 'x'));
@@ -457,13 +458,13 @@ TEST(ShapeCaches, RefuseWhatHasNoCages) {
   CageHierarchy cages = sample_hierarchy();
   cages.fine = {};
   write_asset(file.path(), cages);
-  ShapeCache cache({1});  // nothing is on demand
+  ShapeCache cache({1});  // no shape has a mesh on demand
   const ShapePtr shape = cache.load(file.path()), plain = load_shape(file.path());
   const Motion rest = Motion::resting(Eigen::Isometry3d::Identity());
   EXPECT_EQ(separated(*shape, rest, *shape, rest).stage, separated(*plain, rest, *plain, rest).stage);
 }
 
-// ---- Life, threads, allocations ----------------------------------------------
+// ---- Lifetime, threads, allocations --------------------------------------------
 
 TEST(ShapeCaches, ShapesOutliveTheCacheAndLeaveIt) {
   const EqualFiles equal(3);

@@ -69,7 +69,7 @@ TEST(Shape, RefusesMalformedHierarchies) {
             "fine mesh: triangle 1: index 4 is out of range, there are 4 vertices");
   EXPECT_EQ(message([](CageHierarchy& h) { h.fine.triangles(1, 2) = -1; }),
             "fine mesh: triangle 1: index 4294967295 is out of range, there are 4 vertices");
-  // Scaled by as much as a body may be, 1e300 would make boxes that are no numbers.
+  // Scaled by the largest scale of a body, 1e300 would give boxes that are not finite.
   for (const double bad : {nan, 1e300, -1.01e150}) {
     EXPECT_EQ(message([&](CageHierarchy& h) { h.origin.y() = bad; }),
               "hierarchy: the origin is not finite or beyond 1e150");

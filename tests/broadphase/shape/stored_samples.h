@@ -16,7 +16,7 @@
 
 namespace encage::test {
 
-/// A folder of this test alone, removed at the end.
+/// A folder for this test alone, removed at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder() { std::filesystem::create_directory(file_.path()); }
@@ -29,7 +29,7 @@ class TemporaryFolder {
   TemporaryFile file_;
 };
 
-/// The sample shapes that have both cages and a fine mesh, as assets.
+/// The sample shapes that have both cages and a fine mesh, stored as assets.
 struct StoredSamples {
   StoredSamples() {
     for (const Sample& sample : sample_shapes(1e-3)) {
@@ -52,7 +52,7 @@ struct StoredSamples {
     std::sort(sizes_.begin(), sizes_.end());
   }
 
-  /// The least budget for all of them.
+  /// The least budget that suffices for all of them.
   std::int64_t room_for_a_pair() const { return sizes_.back() + sizes_[sizes_.size() - 2]; }
 
   TemporaryFolder folder;

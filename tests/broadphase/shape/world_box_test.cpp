@@ -30,7 +30,7 @@ class PoseBoxes : public testing::Test {
   std::minstd_rand random_{3};
 };
 
-// long double has 11 more bits: near enough to exact for these bounds.
+// long double has 11 more bits, which makes it practically exact for these bounds.
 using VectorL = Eigen::Matrix<long double, 3, 1>;
 VectorL world(const Sample& s, const Pose& pose, const Vector& vertex) {
   const VectorL body = s.hierarchy.origin.cast<long double>() + vertex.cast<long double>();
@@ -67,7 +67,7 @@ TEST_F(PoseBoxes, BoxesHoldEveryVertexAndAreTight) {
   }
 }
 
-// No surface has few vertices: boxes of the tree stand for the body.
+// No surface of this shape has few vertices, so boxes of the tree represent the body.
 TEST_F(PoseBoxes, BoxesOfDetailedBodiesHoldEveryVertex) {
   for (const bool caged : {false, true}) {
     CageHierarchy hierarchy;

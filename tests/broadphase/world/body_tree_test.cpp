@@ -22,7 +22,7 @@ using ItemPair = std::pair<std::uint32_t, std::uint32_t>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Random boxes of one kind each.
+/// Distributions of random boxes.
 enum class Scene { uniform, lattice, points, nested, same, line, clusters, sizes, mixed };
 constexpr std::array<Scene, 9> scenes = {Scene::uniform, Scene::lattice, Scene::points,   Scene::nested, Scene::same,
                                          Scene::line,    Scene::sizes,   Scene::clusters, Scene::mixed};
@@ -34,7 +34,7 @@ class Boxes {
   Box next() {
     switch (scene_ == Scene::mixed ? scenes[random_() % 8] : scene_) {
       case Scene::uniform: return around(point(10), point(1));
-      case Scene::lattice: {  // touching and equal faces
+      case Scene::lattice: {  // boxes that touch, and equal faces
         const Vector corner(integer(6), integer(6), integer(6));
         return {corner, corner + Vector(integer(2), integer(2), integer(2))};
       }
@@ -49,7 +49,7 @@ class Boxes {
     return special();
   }
 
-  /// Empty, infinite, huge, half-infinite, not a number.
+  /// Returns an empty, infinite, huge or half-infinite box, or one with NaN.
   Box special() {
     switch (random_() % 6) {
       case 0: return Box();
@@ -75,7 +75,7 @@ class Boxes {
   int count_ = 0;
 };
 
-/// A tree and all that it should know, in plain lists.
+/// A tree and its expected content in plain lists.
 struct Twin {
   struct Entry {
     BodyTree::Leaf leaf = -1;
@@ -121,7 +121,7 @@ struct Twin {
     std::sort(found.begin(), found.end());
     return found;
   }
-  /// Those that have to be found, and those that may be: which box of the two is enlarged is not said.
+  /// The pairs that must be found, or with `may` also those that may be: the query may enlarge either box.
   std::vector<ItemPair> moved_pairs_of_all(double margin, bool may) const {
     std::vector<ItemPair> found;
     for (auto a = entries.begin(); a != entries.end(); ++a) {
@@ -211,7 +211,7 @@ TEST(BodyTrees, EmptyTree) {
   twin.check(boxes);
 }
 
-/// Insertions, small and large updates and removals in random order.
+/// Inserts, moves slightly or far, and removes leaves in random order.
 void run_twin(Scene scene, int steps, unsigned seed) {
   Twin twin;
   Boxes boxes(scene, seed);
@@ -244,7 +244,7 @@ TEST(BodyTrees, FindWhatBruteForceFinds) {
 }
 
 TEST(BodyTrees, OneLevelOrMore) {
-  // Numbers of leaves about those at which nodes and levels are full.
+  // These numbers of leaves are close to those at which nodes and levels are full.
   for (const int count : {1, 7, 8, 9, 63, 64, 65, 511, 512, 513, 600}) {
     Twin twin;
     Boxes boxes(Scene::uniform, static_cast<unsigned>(count));
@@ -264,7 +264,7 @@ TEST(BodyTrees, OneLevelOrMore) {
   }
 }
 
-/// Pairs of nodes looked at for one node, after all leaves have moved.
+/// Number of pairs of nodes tested per node after all leaves have moved.
 double work_of(BodyTree& tree) {
   tree.refresh();
   tree.query_moved_pairs(0, [](std::uint32_t, std::uint32_t) {});
@@ -283,14 +283,14 @@ TEST(BodyTrees, SearchesLookAtFewNodes) {
     for (std::uint32_t i = 0; i < centres.size(); ++i) {
       tree.insert(FloatBox::around({centres[i], centres[i] + Vector::Ones()}), i);
     }
-    // Cells of eight boxes two wide, which are three wide with the boxes: 27 neighbours, about.
+    // Eight boxes share a cell of width two, or of width three with their extents: about 27 neighbours.
     EXPECT_LT(work_of(tree), 45);
     EXPECT_EQ(tree.defect(), "");
   }
 }
 
 TEST(BodyTrees, TreesThatAreWornAreOrderedAnew) {
-  // All leaves change places: boxes of nodes get large, but not for long.
+  // All leaves change their positions: boxes of nodes become large, but not for long.
   Boxes boxes(Scene::uniform);
   BodyTree tree;
   std::vector<BodyTree::Leaf> leaves;

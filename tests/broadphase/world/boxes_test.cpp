@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which boxes of bodies overlap, in worlds of bodies that are hard on a tree.
+// Overlapping boxes of bodies, in worlds that are difficult for a tree.
 #include "oracles/count_allocations.h"
 #include "oracles/meshes.h"
 #include "tests/broadphase/world/thread_pool.h"
@@ -15,7 +15,7 @@ using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
 
 enum class Crowd { same_place, line, lattice, huge_and_tiny, jumping, distant, drifting, few_moving };
 
-/// Cubes of several sizes, and where they are in each step.
+/// Cubes of several sizes, and their positions in each step.
 class Cubes {
  public:
   Cubes(Crowd crowd, int count) : crowd_(crowd), motions_(static_cast<std::size_t>(count)) {
@@ -36,7 +36,7 @@ class Cubes {
   void step() {
     for (std::size_t n = 0; n < size(); ++n) {
       Motion& m = motions_[n];
-      const Pose next = place(n);
+      const Pose next = next_pose(n);
       m = {step_ == 0 || crowd_ == Crowd::jumping ? next : m.end, next};
     }
     ++step_;
@@ -67,7 +67,7 @@ class Cubes {
     }
     return Vector::Zero();
   }
-  Pose place(std::size_t n) {
+  Pose next_pose(std::size_t n) {
     Pose pose = Pose::Identity();
     pose.translation() = target(n);
     if (crowd_ == Crowd::drifting) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bodies that leave their rigid pose: what a world rejects is held against meshes that are really deformed.
+// Bodies that leave their rigid pose: rejects of a world are compared with meshes that are really deformed.
 #include "oracles/exact_pair.h"
 #include "oracles/sampled.h"
 #include "oracles/twin_bodies.h"
@@ -18,10 +18,10 @@ struct Scene {
     bound_a = random.coin() ? 0 : random.uniform(0.01, 0.3) * size;
     bound_b = random.uniform(0.01, 0.3) * size;
     margin = random.coin() ? 0 : 0.05 * size;
-    shapes::Random places(random.below(1u << 30));
+    shapes::Random positions(random.below(1u << 30));
     const double way = moves ? a.diagonal() + b.diagonal() : 0, angle = moves ? 2.5 : 0;
-    motion_a = random_motion(places, random_pose(places, 3), angle, 0.3 * way);
-    motion_b = random_motion(places, random_pose(places, 3), angle, 0.3 * way);
+    motion_a = random_motion(positions, random_pose(positions, 3), angle, 0.3 * way);
+    motion_b = random_motion(positions, random_pose(positions, 3), angle, 0.3 * way);
     motion_a.scale = a.scale;
     motion_b.scale = b.scale;
     direction = random.direction();
@@ -30,7 +30,7 @@ struct Scene {
     world.set_motion(id_a, motion_a);
     world.set_deformation(id_a, bound_a);
     world.set_deformation(id_b, bound_b);
-    // At the border between "separated" and "maybe".
+    // Moves the bodies to the border between "separated" and "maybe".
     const double far = 2 * (a.diagonal() + b.diagonal()) + 2 * way + bound_a + bound_b + margin;
     random.near_change(
         [&](double distance) {
@@ -57,8 +57,8 @@ struct Scene {
   BodyId id_a, id_b;
 };
 
-/// The source with every vertex moved by nearly the bound, in ways that depend on its place alone: all towards
-/// `direction` (world), or here and there.
+/// Returns the source with every vertex moved by nearly the bound. The displacement depends on the vertex's position
+/// alone: all vertices move towards `direction` (world), or in various directions.
 TriangleMesh deformed(const Body& body, const Motion& motion, double bound, const Vector& direction, int way) {
   TriangleMesh mesh = body.sample.source;
   const Eigen::Matrix3d to_body = motion.start.linear().transpose() / motion.scale;
@@ -74,7 +74,7 @@ TriangleMesh deformed(const Body& body, const Motion& motion, double bound, cons
   return mesh;
 }
 
-/// Exactly: farther apart than the margin, and neither contains a part of the other.
+/// True, exactly, if the bodies are farther apart than the margin and neither contains a part of the other.
 bool are_apart(const Scene& s, double bound_a, double bound_b, int way) {
   const ExactBody a(s.a.origin(), deformed(s.a, s.motion_a, bound_a, s.direction, way), s.motion_a.start, s.a.scale);
   const ExactBody b(s.b.origin(), deformed(s.b, s.motion_b, bound_b, -s.direction, way), s.motion_b.start, s.b.scale);
@@ -90,7 +90,7 @@ TEST(DeformedBodies, AreNotMissedAtRest) {
     Scene s(random, bodies, false);
     const double sum = s.margin + s.bound_a + s.bound_b;
     const bool rejected = s.rejected(s.margin);
-    // Nothing is lost but the bounds.
+    // The bounds enlarge the margin and cost nothing else.
     if (separated(*s.a.shape, s.motion_a, *s.b.shape, s.motion_b, sum * (1 + 1e-14)).separated) {
       EXPECT_TRUE(rejected) << "pair " << i;
     }
@@ -99,7 +99,7 @@ TEST(DeformedBodies, AreNotMissedAtRest) {
       if (rejected) {
         ASSERT_TRUE(apart) << "pair " << i << ", way " << way << " of " << s.a.sample.name << ", " << s.b.sample.name;
       }
-      // Had the bounds been somewhat too small, that would have been missed.
+      // A slightly larger deformation touches, so the test would notice a bound that is slightly too small.
       if (rejected && way == 0) attacks += !are_apart(s, 1.1 * s.bound_a + 0.1 * sum, 1.1 * s.bound_b + 0.1 * sum, way);
     }
     rejects += rejected;
@@ -136,8 +136,8 @@ TEST(DeformedBodies, AreNotMissedByHalfSpaces) {
   for (int i = 0; i < 300; ++i) {
     const Body& body = random.one_of(bodies);
     const double bound = random.uniform(0.01, 0.3) * body.diagonal();
-    shapes::Random places(random.below(1u << 30));
-    const Pose pose = random_pose(places, 3);
+    shapes::Random positions(random.below(1u << 30));
+    const Pose pose = random_pose(positions, 3);
     HalfSpace plane{random.direction(), 0};
     const auto rejected = [&](double height) {
       plane.offset = plane.normal.dot(body.centre(pose)) - height;
@@ -173,7 +173,7 @@ TEST(DeformedBodies, CountInTheMarginOfTheirPairsUntilSetAgain) {
   world.set_pose(a, shift(-0.15));
   EXPECT_EQ(candidates(world).size(), 0u);
   EXPECT_EQ(candidates(world, {.pair = {.margin = 0.1}}).size(), 1u);
-  // Triangles that may touch when deformed come along.
+  // Triangles that may touch after a deformation are reported as well.
   world.set_pose(a, shift(0));
   std::size_t triangles = 0;
   world.find_candidates({.triangles = true}, [&](const CandidatePair& pair) { triangles += pair.triangles.size(); });

@@ -150,8 +150,8 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
   EXPECT_EQ(world.add_body(shape, shift(0)), next);
 }
 
-/// Lets the call run out of memory at its first allocation, at its second, and so on, until it has enough. Returns how
-/// often it had not.
+/// Makes the call run out of memory at its first allocation, at its second, and so on, until it succeeds. Returns the
+/// number of failures.
 int run_out_of_memory(const std::function<void()>& call, const std::function<void()>& check) {
   for (int failures = 0;; ++failures) {
     allocations_left = failures;

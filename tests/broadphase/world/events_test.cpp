@@ -6,8 +6,8 @@ namespace {
 
 using What = Found::What;
 
-/// Short for what a search tells of two bodies or of a body and a half-space: "0-1+" begins, "0-1=" persists, "0|0-"
-/// ends.
+/// Abbreviates the events of a search about two bodies or about a body and a half-space: "0-1+" begins, "0-1="
+/// persists, "0|0-" ends.
 std::string told(World& world, const CandidateOptions& options = {}) {
   std::string text;
   for (const Found& f : events(world, options)) {
@@ -30,7 +30,7 @@ TEST(WorldEvents, AreThoseOfBruteForceWhateverTheHistory) {
       if (step % 5 != 0) {
         for (int i = 0; i < 8; ++i) twin.change(1 + static_cast<unsigned>(random() % (Twin::last - 1)));
       }
-      // More and more fall asleep, then many wake.
+      // More and more bodies fall asleep, then many wake.
       for (int i = 0; i < (step % 10 == 9 ? 20 : 4); ++i) twin.change(Twin::awake);
       if (step % 3 == 0) twin.change(Twin::remove);
       if (step % 4 == 0) twin.add_body();
@@ -75,7 +75,7 @@ TEST_F(WorldPairs, BeginPersistAndEnd) {
   world.set_pose(b, shift(50));
   EXPECT_EQ(told(world), "0~1-");
   EXPECT_EQ(told(world), "");
-  // The search before counts, whatever it asked.
+  // The previous search counts, whatever its options.
   EXPECT_EQ(told(world, {.pair = {.margin = 48.5}}), "0~1+");
   EXPECT_EQ(told(world), "0~1-");
 }
@@ -118,7 +118,7 @@ TEST_F(WorldPairs, EndUnderTheirOldIds) {
   world.remove_half_space(HalfSpaceId{0});
   world.add_half_space({Vector::UnitX(), -0.6});
   EXPECT_EQ(told(world), "0'1~1= 0'1|0- 0'1|0'1+");
-  // What has come and gone between two searches has never been.
+  // A body that was added and removed between two searches causes no event.
   world.remove_body(again);
   world.remove_body(world.add_body(box, shift(0)));
   world.add_body(box, shift(30));
@@ -170,7 +170,7 @@ TEST_F(WorldPairs, ComeLaterIfASearchIsCutShort) {
     seen.push_back(found(pair));
     if (seen.size() == 3) throw std::runtime_error("enough");
   };
-  // 0~1=, 0~2-, 0~2'1+ come; then the caller has enough.
+  // After 0~1=, 0~2-, 0~2'1+ the callback throws.
   EXPECT_THROW(world.find_candidates({.ended = enough}, enough), std::runtime_error);
   EXPECT_EQ(seen[1].what, What::ends);
   world.set_pose(b, shift(40));
@@ -218,7 +218,7 @@ TEST_F(WorldSleep, EndsForWhatIsRemoved) {
 TEST_F(WorldSleep, LetsEveryChangeBeSearchedOnce) {
   world.set_awake(a, false);
   world.set_awake(b, false);
-  EXPECT_EQ(told(world), "0~1+");  // added, and not searched yet
+  EXPECT_EQ(told(world), "0~1+");  // added, but not searched yet
   EXPECT_EQ(told(world), "");
   world.set_pose(a, shift(0.5));
   EXPECT_FALSE(world.is_awake(a));
@@ -292,7 +292,7 @@ TEST(SleepingWorlds, CostNothingWhileNothingMoves) {
   for (const BodyId body : bodies) world.set_awake(body, false);
   candidates(world, {}, &counts);
   EXPECT_EQ(counts.listed, 0);
-  // One wakes and goes: the 26 around it are looked at, then those of its new places.
+  // One body wakes and leaves: the pairs with the 26 bodies around it are tested, then those at its new positions.
   const BodyId one = bodies[n * n * n / 2 + n * n / 2 + n / 2];
   world.set_awake(one, true);
   for (int step = 0; step < 5; ++step) {

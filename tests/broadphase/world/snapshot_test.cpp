@@ -5,7 +5,7 @@
 namespace encage::test {
 namespace {
 
-/// All that a step shows.
+/// All results of a step.
 struct Shown {
   std::vector<Found> events;
   std::vector<std::int64_t> counts;
@@ -14,7 +14,7 @@ struct Shown {
   friend bool operator==(const Shown&, const Shown&) = default;
 };
 
-/// Changes a world step by step, in a way that depends on random numbers alone. A copy goes on likewise.
+/// Changes a world step by step, depending on random numbers alone. A copy continues in the same way.
 class Script {
  public:
   explicit Script(unsigned seed) : random_(seed) {}
@@ -43,7 +43,7 @@ class Script {
  private:
   void add(World& world) {
     const BodyOptions options{.kind = random_() % 5 == 0 ? BodyKind::static_ : BodyKind::dynamic};
-    bodies_.push_back(world.add_body(shapes_[random_() % 2], place(), options));
+    bodies_.push_back(world.add_body(shapes_[random_() % 2], random_pose(), options));
   }
   void change(World& world) {
     const std::size_t i = random_() % bodies_.size();
@@ -62,10 +62,10 @@ class Script {
         planes_.back() = world.add_half_space({Vector::UnitZ(), 0.1 * static_cast<double>(random_() % 30)});
         return;
       case 6: return world.set_shape(body, shapes_[random_() % 2]);
-      default: return world.set_pose(body, place());
+      default: return world.set_pose(body, random_pose());
     }
   }
-  Pose place() {
+  Pose random_pose() {
     const auto coordinate = [this] { return 0.01 * static_cast<double>(random_() % 600); };
     return shift(coordinate(), coordinate(), coordinate());
   }
@@ -87,7 +87,7 @@ TEST(WorldSnapshots, LetTheSameHappenAgain) {
     std::vector<Shown> first;
     for (int i = 0; i < 25; ++i) first.push_back(script.step(world));
     EXPECT_FALSE(first.front() == first.back());
-    // The same world, twice; and one that has held something else.
+    // One snapshot is restored twice into the same world, and into one with other content.
     World other;
     Script(seed + 10).begin(other);
     for (World* again : {&world, &world, &other}) {

@@ -15,7 +15,7 @@ namespace {
 
 namespace tbb = oneapi::tbb;
 
-// As many threads as are asked for, on any machine.
+// Provides the requested number of threads on any machine.
 const tbb::global_control enough_threads(tbb::global_control::max_allowed_parallelism, 4);
 
 TEST(TbbExecutor, RunsEachTaskOnce) {
@@ -30,7 +30,7 @@ TEST(TbbExecutor, RunsEachTaskOnce) {
   }
 }
 
-/// Candidates of a few steps.
+/// Returns the candidates of a few steps.
 std::vector<std::vector<Found>> walk(unsigned seed, const Executor& executor) {
   Twin twin(seed);
   std::vector<std::vector<Found>> steps;
@@ -63,7 +63,7 @@ TEST(TbbExecutor, AWaitingThreadTakesNoOtherWork) {
   const auto wait_for = [](const std::atomic<bool>& flag, int milliseconds) {
     for (int i = 0; i < milliseconds && !flag; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
-  // The first task leaves a thread waiting for the second, while the arena has other work.
+  // The first task makes a thread wait for the second while the arena has other work.
   const auto work = [&](int i) {
     if (i == 0) {
       wait_for(second_began, 2000);

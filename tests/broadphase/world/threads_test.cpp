@@ -15,7 +15,7 @@
 namespace encage::test {
 namespace {
 
-/// All that a search tells: calls of accept, of visit and of ended in their order, and the statistics.
+/// All results of a search: the calls of accept, of visit and of ended in their order, and the statistics.
 struct Record {
   std::vector<std::pair<Found, std::vector<std::array<int, 2>>>> visits;
   std::vector<Found> accepts;
@@ -43,7 +43,7 @@ Record record(World& world, CandidateOptions options, const Executor& executor, 
   return r;
 }
 
-/// Of two records of the same pairs, whatever they were before.
+/// True if both records have the same candidates; their events may differ.
 bool same_candidates(Record a, Record b) {
   for (Record* r : {&a, &b}) {
     for (auto& visit : r->visits) visit.first.what = Found::What::begins;
@@ -51,7 +51,7 @@ bool same_candidates(Record a, Record b) {
   return a.visits == b.visits;
 }
 
-/// Runs the tasks on the calling thread in another order each time.
+/// Runs the tasks on the calling thread, in another order each time.
 Executor shuffled() {
   return {5, [random = std::minstd_rand(7)](int count, TaskRef task) mutable {
             std::vector<int> order(static_cast<std::size_t>(count));
@@ -61,7 +61,7 @@ Executor shuffled() {
           }};
 }
 
-/// A new thread for each task, some late.
+/// Starts a new thread for each task; some start late.
 Executor new_threads(int threads) {
   return {threads, [](int count, TaskRef task) {
             std::vector<std::jthread> running;
@@ -116,8 +116,8 @@ TEST(WorldThreads, WhatHasNoRoomInTheListsComesAllTheSame) {
   const auto triangles = static_cast<std::size_t>(ring.fine.triangles.rows());
   World world;
   const ShapeId shape = world.add_shape(make_shape(ring));
-  // All triangles of the first two are closer than their margin: more than there is room for. So are, together,
-  // those of the others.
+  // All triangles of the first two bodies are closer than their margin: more than there is room for. The same is true
+  // of the others together.
   for (int i = 0; i < 2; ++i) world.add_body(shape, shift(0.1 * i), {.margin = 2});
   for (int i = 0; i < 4; ++i) world.add_body(shape, shift(100 + 0.3 * i));
   ASSERT_GT(triangles * triangles, room);
@@ -129,7 +129,7 @@ TEST(WorldThreads, WhatHasNoRoomInTheListsComesAllTheSame) {
   for (const auto& visit : expected.visits) others += visit.second.size();
   EXPECT_GT(others - triangles * triangles, room);
   EXPECT_TRUE(same_candidates(record(world, options, pool.executor()), expected));
-  // Runs nothing but at first, and is then asked about pairs that nobody has looked at.
+  // This executor runs a task only the first time; later the calling thread tests pairs that no task has processed.
   const Pose pose = world.motion(BodyId{5}).end;
   world.set_pose(BodyId{5}, shift(0));
   world.set_pose(BodyId{5}, pose);
@@ -168,12 +168,12 @@ TEST(WorldThreads, ExceptionsEndTheSearchWhereTheyWould) {
     EXPECT_THROW(twin.world.find_candidates(bad_accept, enough), std::runtime_error);
     EXPECT_EQ(seen.size(), 9u);
 
-    // Nine of the pairs had been asked for sure, and the others not, whoever has already looked.
+    // Nine of the pairs have certainly been tested, and events do not depend on which of the others a task has tested.
     const Record expected = record(undisturbed.world, {.triangles = true}, {});
     Record got = record(twin.world, {.triangles = true}, executor);
     ASSERT_TRUE(same_candidates(got, expected));
     for (std::size_t i = 0; i < got.visits.size(); ++i) {
-      // What was visited, or about to be, has begun.
+      // The pairs that were visited, or about to be, have begun.
       const bool begun = i < seen.size();
       if (begun) {
         EXPECT_EQ(seen[i], expected.visits[i].first);
@@ -253,7 +253,7 @@ TEST(WorldThreads, SearchesDoNotAllocateOnceWarm) {
   EXPECT_EQ(allocations, before);
 }
 
-// ---- Several threads of the caller's -------------------------------------
+// ---- Several calling threads ----------------------------------------------
 
 TEST(WorldThreads, WorldsThatShareShapesAreIndependent) {
   std::vector<ShapePtr> shapes;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Worlds of small bodies, and what they should find.
+// Worlds of small bodies, and their expected candidates.
 
 #include "oracles/sample_shapes.h"
 
@@ -37,7 +37,7 @@ inline ShapePtr sample_shape(const std::string& name) {
   throw std::runtime_error("no sample " + name);
 }
 
-/// A candidate, or a pair that is none any more. Sorted as they are visited.
+/// A candidate, or a pair that no longer is one. The order is that of the visits.
 struct Found {
   enum class What { ends, begins, persists };
   std::uint32_t a = 0;
@@ -77,7 +77,7 @@ inline Found found(const CandidatePair& pair) {
   return f;
 }
 
-/// Candidates and ended pairs.
+/// Returns candidates and ended pairs.
 inline std::vector<Found> events(World& world, CandidateOptions options = {}, CandidateStatistics* counts = nullptr) {
   std::vector<Found> all;
   std::int64_t ended = 0;
@@ -99,7 +99,7 @@ inline std::vector<Found> events(World& world, CandidateOptions options = {}, Ca
   return all;
 }
 
-/// What of these are candidates, whatever they were before.
+/// Returns the candidates among these, without their events.
 inline std::vector<Found> only_candidates(std::vector<Found> all) {
   std::erase_if(all, [](const Found& f) { return f.what == Found::What::ends; });
   for (Found& f : all) f.what = Found::What::begins;
@@ -129,7 +129,7 @@ inline bool may_pair(const BodyOptions& a, const BodyOptions& b) {
   return (a.filter.category & b.filter.mask) && (b.filter.category & a.filter.mask);
 }
 
-/// A world and the same bodies in plain lists.
+/// A world, and the same bodies in plain lists.
 class Twin {
  public:
   explicit Twin(unsigned seed) : random_(seed) {
@@ -171,7 +171,7 @@ class Twin {
     last
   };
 
-  /// Something about a body.
+  /// Changes some property of a body.
   void change(unsigned kind) {
     Entry& e = bodies_[random_() % bodies_.size()];
     if (e.removed) return;
@@ -201,7 +201,7 @@ class Twin {
     } else if (kind <= Change::pose_last || e.options.kind == BodyKind::static_) {
       e.motion = Motion::resting(pose(), e.options.scale);
       world.set_pose(e.id, e.motion.start);
-    } else {  // goes on from where it is, near or far
+    } else {  // continues from its present position, near or far
       e.motion.start = e.motion.end;
       e.motion.end.translation() += direction() * (kind < 6 ? 3 : 0.2);
       e.motion.end.linear() *= Eigen::AngleAxisd(2 * uniform(), direction().normalized()).toRotationMatrix();
@@ -213,7 +213,8 @@ class Twin {
                 e.motion.end.matrix() != before.motion.end.matrix();
   }
 
-  /// What the next search tells, in order, from all pairs. Takes for granted that this search comes.
+  /// Returns the expected results of the next search, in order, from all pairs. The search must follow, since the call
+  /// updates the twin's state.
   std::vector<Found> brute_force(const PairOptions& asked) {
     std::vector<Found> all;
     std::set<Found> now;
@@ -271,10 +272,10 @@ class Twin {
     return all;
   }
 
-  /// Pairs that the last search left out and that are candidates all the same.
+  /// Number of pairs that the last search left out although they are candidates.
   int left_out() const { return left_out_; }
 
-  /// Another world with the same bodies under the same ids, all awake, that has never seen anything else.
+  /// Returns another world with the same bodies under the same ids, all awake, without any history.
   World fresh() const {
     World other;
     for (const SharedShape& s : shapes_) other.add_shape(s.shape, s.margin);
@@ -339,7 +340,7 @@ class Twin {
     f.generation_b = generation(y.id);
     return f;
   }
-  /// Where its index says.
+  /// Stores an object at its index.
   template <class T>
   static void put(std::vector<T>& all, const T& one) {
     const std::size_t i = index(one.id);
@@ -394,7 +395,7 @@ class Twin {
   std::vector<Plane> planes_;
   int left_out_ = 0;
   double least_margin_ = 1e9;   // at which pairs have been left out
-  std::set<Found> candidates_;  // of the search before, with what has been left out since
+  std::set<Found> candidates_;  // candidates of the previous search, and those that have been left out since
 };
 
 }  // namespace encage::test

@@ -49,13 +49,13 @@ TEST(Worlds, FindWhatBruteForceFindsWhateverTheHistory) {
   EXPECT_GT(rejected, 100);
 }
 
-/// Without verdicts.
+/// Removes the verdicts.
 std::vector<Found> pairs(std::vector<Found> all) {
   for (Found& f : all) f = {f.a, f.half_space, f.b};
   return all;
 }
 
-// ---- What pairs ----------------------------------------------------------
+// ---- Which bodies form pairs ------------------------------------------------
 
 TEST(Worlds, FiltersAndGroupsDecideAsDocumented) {
   struct Case {
@@ -154,7 +154,7 @@ TEST(Worlds, ScaleTheirBodies) {
   world.set_scale(a, 0.5);
   EXPECT_FALSE(gap(0.2));
   EXPECT_TRUE(gap(0.26));
-  // A motion without a scale of its own, or with the body's, takes the body's.
+  // A motion without a scale of its own, or with the body's, takes the body's scale.
   world.set_motion(a, {shift(0), shift(49.4)});
   EXPECT_EQ(world.motion(a).scale, 0.5);
   EXPECT_EQ(candidates(world).size(), 1u);
@@ -165,7 +165,7 @@ TEST(Worlds, ScaleTheirBodies) {
 TEST(Worlds, RejectFarFromTheOriginAsNearIt) {
   shapes::Random random(8);
   const Vector far(1e7, -1e7, 1e7);
-  // What frames may lose there (docs/guarantee.md, entry 3), generously.
+  // A generous bound of the rounding of frames at this distance (docs/guarantee.md, "Frames").
   const double tolerance = 1e-4;
   World here, there;
   for (const char* name : {"box", "star", "torus"}) {
@@ -179,7 +179,7 @@ TEST(Worlds, RejectFarFromTheOriginAsNearIt) {
   for (int step = 0; step < 10; ++step) {
     for (std::uint32_t i = 0; i < 75; ++i) {
       Motion m = Motion::resting(shift(0));
-      // Exact there, too.
+      // Multiples of 1/1024 are exact at the far position, too.
       const auto exact = [](double x) { return std::round(x * 1024) / 1024; };
       m.start.translation() = random.point(7).unaryExpr(exact);
       m.end.translation() = m.start.translation() + random.point(0.5).unaryExpr(exact);
@@ -219,7 +219,7 @@ TEST(Worlds, ThePredicateSeesEveryOverlapAndDropsWhatItRefuses) {
   EXPECT_EQ(seen.size(), 16u);
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
   EXPECT_TRUE(std::none_of(kept.begin(), kept.end(), [](const Found& f) { return f.a == 2; }));
-  // What was refused is asked once it is wanted.
+  // A pair that was refused is tested once it is accepted.
   EXPECT_EQ(candidates(world, {}, &counts).size(), 16u);
   EXPECT_EQ(counts.asked, 3);
 }
@@ -292,7 +292,7 @@ TEST(Worlds, SearchesDoNotAllocateOnceWarm) {
     for (std::uint32_t i = 0; i < 60; ++i) {
       const auto body = static_cast<BodyId>(i);
       const Pose start = world.motion(body).end;
-      // To and fro, so that the second round repeats the first.
+      // The bodies move to and fro, so that the second round repeats the first.
       world.set_motion(body, {start, shift(0.2 * (from % 2 == 0 ? 1 : -1), 0.1 * (from % 4 < 2 ? 1 : -1)) * start});
     }
     world.find_candidates(options, [&](const CandidatePair& pair) { triangles += pair.triangles.size(); });
@@ -304,7 +304,7 @@ TEST(Worlds, SearchesDoNotAllocateOnceWarm) {
   EXPECT_EQ(allocations, before);
 }
 
-// ---- What they hold ------------------------------------------------------
+// ---- Content and references ---------------------------------------------------
 
 TEST(Worlds, MayBeReadButNotChangedWhileTheyVisit) {
   World world;
@@ -324,7 +324,7 @@ TEST(Worlds, MayBeReadButNotChangedWhileTheyVisit) {
     EXPECT_EQ(error_of([&] { candidates(world); }), locked);
   });
   EXPECT_EQ(visits, 1);
-  // What a visitor throws ends the search and leaves the world in order.
+  // An exception of a visitor ends the search and leaves the world in order.
   EXPECT_THROW(world.find_candidates({}, [](const CandidatePair&) { throw std::runtime_error("enough"); }),
                std::runtime_error);
   EXPECT_EQ(candidates(world).size(), 1u);

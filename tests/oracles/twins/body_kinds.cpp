@@ -18,14 +18,14 @@ bool rejected(const Scene& scene) { return scene.ask().separated; }
 
 bool shows_rate(const Scene& scene) { return test::shows_rate(*scene.a, *scene.b) && scene.well_conditioned(); }
 
-/// What a wrong reject tells.
+/// Describes a wrong reject.
 std::string verdict_text(const Scene& scene) {
   const Verdict verdict = scene.ask();
   return scene.text() + ", stage " + std::to_string(static_cast<int>(verdict.stage)) + ", level " +
          std::to_string(verdict.level);
 }
 
-/// The truth about every reject, and about sampled pairs in any case.
+/// Compares every reject with the truth, and sampled pairs in any case.
 template <class Brute>
 Outcome judge(const Scene& scene, bool rejects, bool sampled) {
   Outcome outcome{.rejected = rejects, .sampled = sampled};
@@ -63,7 +63,7 @@ class MovingPairs : public PairKind {
   Scenes scenes_{Scenes::Bodies::all, true};
 };
 
-/// The pair in a world with a third body, which has been searched in other places before.
+/// The pair in a world with a third body, which has been searched at other positions before.
 class WorldPairs : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t number) const override {
@@ -71,7 +71,7 @@ class WorldPairs : public PairKind {
     const Scene scene = moves ? scenes_.moving(random, number, rejected) : scenes_.resting(random, number, rejected);
     World world;
     CandidateOptions options;
-    // Part of the margin is the bodies' own.
+    // Part of the margin belongs to the bodies.
     const double own = random.coin() ? 0 : 0.25 * scene.margin;
     options.pair.margin = scene.margin - 2 * own;
     const BodyOptions of_a{.margin = own, .scale = scene.motion_a.scale},

@@ -17,7 +17,7 @@ using test::TwinRandom;
 
 namespace {
 
-/// first_contact() against PairContact over all pairs of triangles, and against the exact time.
+/// Compares first_contact() with PairContact over all pairs of triangles, and with the exact time.
 class ContactPairs : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t number) const override {
@@ -33,7 +33,7 @@ class ContactPairs : public PairKind {
     const std::optional<Contact> found = first(scene, options);
     Outcome outcome{.rejected = !found, .sampled = number % 8 == 0};
     outcome.missed = !same(found, brute_force(scene, options));
-    // What holds without margin and arc holds with them, as contacts do not come later.
+    // The exact time without margin and arc is also a bound with them, as contacts then do not come later.
     if (options.latest == 1 && (!found || outcome.sampled)) compare(scene, found, outcome);
     if (outcome.missed) outcome.what = scene.text() + ", arc " + std::to_string(options.arc);
     return outcome;
@@ -60,11 +60,11 @@ class ContactPairs : public PairKind {
   static void compare(const Scene& scene, const std::optional<Contact>& found, Outcome& outcome) {
     const MovingTruth truth(scene, MovingTruth::Meshes::fine);
     const double latest = truth.latest_first_contact();
-    // Of meshes that intersect at the start nothing is said.
+    // There is no statement about meshes that intersect at the start.
     if (latest > 0 && latest <= 1 && !(found && found->time <= latest)) outcome.missed = true;
     if (!outcome.sampled) return;
     outcome.truth = latest <= 1 ? Truth::touching : truth.surface_truth();
-    // With an arc, contact may be far from where the lines lead.
+    // With an arc, contact may be far from the straight paths.
     outcome.far =
         outcome.truth == Truth::apart && scene.well_conditioned() && truth.surfaces_farther(0.03 * scene.size());
   }
@@ -72,7 +72,7 @@ class ContactPairs : public PairKind {
   Scenes scenes_{Scenes::Bodies::with_fine_mesh, false};
 };
 
-/// A body and a half-space, most of them where the answer changes. All vertices, exactly.
+/// A body and a half-space, mostly close to where the answer changes. All vertices are tested exactly.
 class PlanePairs : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t number) const override {
@@ -101,7 +101,7 @@ class PlanePairs : public PairKind {
     };
     Outcome outcome{.rejected = rejects(plane.offset), .sampled = true, .truth = Truth::apart};
     if (!beyond(margin)) outcome.truth = margin > 0 && beyond(0) ? Truth::within_margin : Truth::touching;
-    // The fine mesh alone has contacts; its vertices are not the source's.
+    // Only the fine mesh has contacts, and its vertices differ from the source's.
     const bool contact = !body.has_fine() ||
                          first_contact(*body.shape, motion, plane,
                                        {.margin = margin + body.scale * body.sample.hierarchy.fine_error * (1 + 1e-8)});

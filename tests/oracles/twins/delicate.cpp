@@ -43,7 +43,7 @@ Vector random_gap(TwinRandom& random, const TriangleD& a, const TriangleD& b) {
     const unsigned k = random.below(3);
     return t[(k + 1) % 3] - t[k];
   };
-  // The normals that closest features have, or any.
+  // A direction that is a normal of closest features, or a random one.
   Vector d = random.direction();
   if (random.below(3) != 0) d = edge(a).cross(random.coin() ? edge(a) : edge(b));
   return d.norm() > 1e-12 ? (gap / d.norm() * d).eval() : Vector::Zero();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Triangles and places that are hard on rounding.
+// Triangles and positions for which rounding is critical.
 
 #include "broadphase/separation/triangle_pair.h"
 #include "oracles/twin_bodies.h"
@@ -10,19 +10,20 @@
 
 namespace encage::twins {
 
-/// Of coordinates up to 1 or, on a lattice, 3: any, slivers, segments, points.
+/// A triangle with coordinates up to 1 or, on a lattice, up to 3: any, a sliver, a segment or a point.
 TriangleD random_triangle(test::TwinRandom& random);
 
-/// A corner, a point of an edge or of the face; rounded.
+/// A corner, a point of an edge or of the face, rounded.
 Eigen::Vector3d point_of(test::TwinRandom& random, const TriangleD& triangle);
 
-/// 0 once in three times, else 1e-16 to 1e-2, and along which direction features near their contact are moved by it.
+/// 0 one time in three, otherwise 1e-16 to 1e-2, in a direction along which it moves features that are nearly in
+/// contact.
 Eigen::Vector3d random_gap(test::TwinRandom& random, const TriangleD& a, const TriangleD& b);
 
-/// The same number, the next ones below and above, or one a little farther.
+/// The same number, one of its neighbours, or a number slightly farther away.
 double nudged(test::TwinRandom& random, double x);
 
-/// Where things of size 1 are put: 1e6 away, or in a unit of 1e-30 to 1e30; usually as they are.
+/// Position and unit of things of size 1: 1e6 away, or in a unit of 1e-30 to 1e30; usually unchanged.
 struct Setting {
   double scale = 1;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
@@ -36,9 +37,9 @@ struct Setting {
 
 struct TrianglePairSample {
   TriangleD a, b;
-  Setting setting;  ///< applied
+  Setting setting;  ///< has been applied
 };
-/// Usually near each other.
+/// Returns triangles that are usually near each other.
 TrianglePairSample random_triangle_pair(test::TwinRandom& random);
 
 }  // namespace encage::twins

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distances of bodies and of triangles: bounds have to hold to the last place.
+// Distances of bodies and of triangles: bounds must be correct to the last bit.
 #include "broadphase/distance/triangle_distance.h"
 #include "oracles/exact_pair.h"
 #include "oracles/twins/delicate.h"
@@ -56,7 +56,7 @@ class BodyDistances : public PairKind {
     return distance(*scene.a->shape, scene.motion_a, *scene.b->shape, scene.motion_b, options);
   }
 
-  /// At times none.
+  /// Returns a random triangle, sometimes an invalid one.
   static std::int32_t some_triangle(TwinRandom& random, const test::Body& body) {
     return static_cast<std::int32_t>(random.below(static_cast<unsigned>(body.mesh().triangles.rows()) + 1));
   }
@@ -68,7 +68,7 @@ class BodyDistances : public PairKind {
     return out.str();
   }
 
-  Scenes scenes_{Scenes::Bodies::all, false};  // of large ones every answer would take seconds to prove
+  Scenes scenes_{Scenes::Bodies::all, false};  // without large bodies, whose answers would take seconds to prove
 };
 
 class TriangleDistances : public PairKind {
@@ -83,7 +83,7 @@ class TriangleDistances : public PairKind {
     if (test::triangles_meet(a, b, 0)) outcome.truth = Truth::touching;
     const bool too_large = found.lower > 0 && test::triangles_meet(a, b, below(found.lower));
     const bool too_small = !test::triangles_meet(a, b, found.upper);
-    // The points are in the triangles, but for rounding.
+    // The points are in the triangles up to rounding.
     const bool off = !((found.point_a - found.point_b).norm() <= found.upper);
     const bool crossing = triangles_cross(a, b, error) && outcome.truth == Truth::apart;
     outcome.missed = too_large || too_small || off || crossing;

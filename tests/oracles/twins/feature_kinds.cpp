@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Vertex and face, edge and edge: their first contact.
+// First contact of a vertex and a face, and of two edges.
 #include "oracles/exact_ccd.h"
 #include "oracles/twins/pair_kind.h"
 
@@ -27,7 +27,7 @@ void change(MovingPoints& points, const Function& function) {
 
 MovingPoints any_points(TwinRandom& random) {
   MovingPoints points;
-  // Small integers meet in every degenerate way, large ones round.
+  // Small integers meet in every degenerate way; large ones are rounded.
   const double size = std::array{0.0, 1.0, 2.0, 3.0, 0x1p26}[random.below(5)];
   change(points, [&](const Vector&) -> Vector {
     return size == 0 ? random.point(1) : random.point(size + 0.5).array().round().matrix().eval();
@@ -35,7 +35,7 @@ MovingPoints any_points(TwinRandom& random) {
   return points;
 }
 
-/// A family of motions in which contacts are degenerate.
+/// Makes the motion a member of a family in which contacts are degenerate.
 void specialise(TwinRandom& random, Features kind, MovingPoints& p) {
   const unsigned first = kind == Features::vertex_face ? 1 : 2;
   const auto integer = [&] { return static_cast<double>(random.below(5)) - 2; };
@@ -51,7 +51,7 @@ void specialise(TwinRandom& random, Features kind, MovingPoints& p) {
       change(p, [&](const Vector& x) { return Vector(m * Vector(x.x(), x.y(), 0)); });
       break;
     }
-    case 2: {  // on a line
+    case 2: {  // on a line throughout
       const Vector direction(integer(), integer(), integer());
       change(p, [&](const Vector& x) { return Vector(direction * x.x() + Vector(1, 2, 3)); });
       break;
@@ -62,7 +62,7 @@ void specialise(TwinRandom& random, Features kind, MovingPoints& p) {
       if (random.coin()) p.end[i] = p.end[j];
       break;
     }
-    case 4:  // parallel edges, or an edge of the face parallel to the other
+    case 4:  // parallel edges, or an edge of the face parallel to the other edge
       p.start[3] = p.start[2] + p.start[1] - p.start[0];
       if (random.coin()) p.end[3] = p.end[2] + (p.end[1] - p.end[0]) * integer();
       break;
@@ -75,7 +75,7 @@ void specialise(TwinRandom& random, Features kind, MovingPoints& p) {
       }
       break;
     }
-    case 6: {  // both sides of a plane, a hair apart
+    case 6: {  // on both sides of a plane, almost touching
       const double gap = std::pow(10.0, -random.uniform(3, 17));
       for (auto* ends : {&p.start, &p.end}) {
         for (unsigned i = 0; i < 4; ++i) {
@@ -93,7 +93,7 @@ void specialise(TwinRandom& random, Features kind, MovingPoints& p) {
   }
 }
 
-/// Far from the origin, tiny, huge, or a few units in the last place off.
+/// Moves the points far from the origin, makes them tiny or huge, or changes them by a few units in the last place.
 double set(TwinRandom& random, MovingPoints& p) {
   double scale = 1;
   switch (random.below(8)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The gate of boxes of two trees.
+// BoxGate: the boxes of two trees.
 #include "broadphase/separation/box_gate.h"
 #include "oracles/meshes.h"
 #include "oracles/sample_trees.h"
@@ -21,7 +21,7 @@ using Vector = Eigen::Vector3d;
 
 namespace {
 
-/// Of size 1: with faces across the axes and not, flat, thin, degenerate, off the local origin.
+/// Meshes of size 1: with faces across the axes or askew to them, flat, thin, degenerate, off the local origin.
 std::vector<TriangleMesh> gate_meshes() {
   return {shapes::torus(1, 0.35, 6, 3),
           shapes::sphere(1),
@@ -37,7 +37,7 @@ std::vector<TriangleMesh> gate_meshes() {
 class GatePairs : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t) const override {
-    // From the smallest to the largest that float32 holds.
+    // The sizes range from the smallest to the largest that float32 represents.
     const double size = std::array{1.0, 1.0, 1.0, 1.0, 1e-20, 1e-30, 1e-37, 1e30, 6e37}[random.below(9)];
     const bool moved = size == 1 && random.below(4) == 0;
     const SampleTree a = tree(random, size, moved), b = tree(random, size * unlike(random), moved);
@@ -49,7 +49,7 @@ class GatePairs : public PairKind {
     PairMotion motion = step(random, a, i, b, j, meeting, size);
     std::vector<Real> times = {0, 1, meeting};
     if (random.below(4) == 0) {
-      // An interval of it, in which the maps are no rotations at all.
+      // An interval of the step, in which the maps are not rotations.
       motion = motion.part(0.5 * meeting, 0.5 + 0.5 * meeting);
       times = {0, 1, 0.5L};
     }
@@ -73,7 +73,7 @@ class GatePairs : public PairKind {
     return (1 - u - v) * m.corner(triangle, 0) + u * m.corner(triangle, 1) + v * m.corner(triangle, 2);
   }
 
-  /// None, a hair, or so wide that boxes are apart.
+  /// Returns no gap, a tiny one, or one so wide that boxes are apart.
   static Vector random_gap(TwinRandom& random, double size) {
     switch (random.below(3)) {
       case 0: return Vector::Zero();
@@ -82,7 +82,7 @@ class GatePairs : public PairKind {
     }
   }
 
-  /// Points of both triangles at the same place at a time, or nearly.
+  /// Returns a step in which points of both triangles meet, or almost meet, at some time.
   static PairMotion step(TwinRandom& random, const SampleTree& a, std::int64_t i, const SampleTree& b, std::int64_t j,
                          double t, double size) {
     const double angle = random.below(3) == 0 ? 3.12 : 0.3, way = random.coin() ? 2 : 0.2;
@@ -105,7 +105,7 @@ class GatePairs : public PairKind {
     return motion;
   }
 
-  using Posed = std::vector<std::vector<RealTriangle>>;  // by time
+  using Posed = std::vector<std::vector<RealTriangle>>;  // indexed by time
 
   static Posed posed(const SampleTree& tree, const std::array<AffineMap, 2>& maps, const std::vector<Real>& times) {
     Posed result;
@@ -126,7 +126,7 @@ class GatePairs : public PairKind {
     return result;
   }
 
-  /// Least distance over the times; above `limit`, any value above it.
+  /// Least distance over the times; any larger value if it exceeds `limit`.
   static Real least(const Posed& a, std::int64_t i, const Posed& b, std::int64_t j, Real limit) {
     Real value = std::numeric_limits<Real>::infinity();
     for (std::size_t s = 0; s < a.size(); ++s) {
@@ -167,11 +167,11 @@ class GatePairs : public PairKind {
     return context.found;
   }
 
-  /// Every pair of triangles that is not visited is farther apart than the distance asked for.
+  /// Checks that every pair of triangles that is not visited is farther apart than the given distance.
   static Outcome compare(TwinRandom& random, const SampleTree& a, std::int64_t picked_a, const SampleTree& b,
                          std::int64_t picked_b, const PairMotion& motion, const std::vector<Real>& times, double size) {
     const Posed posed_a = posed(a, motion.a, times), posed_b = posed(b, motion.b, times);
-    // So that some pair just has to be visited, or a tiny one.
+    // The distance is chosen so that some pair barely has to be visited, or it is tiny.
     const Real infinity = std::numeric_limits<Real>::infinity();
     const auto picked = static_cast<double>(least(posed_a, picked_a, posed_b, picked_b, infinity));
     const double distance = random.coin() ? 1e-9 * size : picked * (1 + 1e-12) + 1e-300;
@@ -180,7 +180,7 @@ class GatePairs : public PairKind {
     Real nearest = infinity;
     for (std::int64_t i = 0; i < a.mesh.triangles.rows(); ++i) {
       for (std::int64_t j = 0; j < b.mesh.triangles.rows(); ++j) {
-        // Of those that were visited it is enough to know whether some are near.
+        // For the visited pairs it suffices to know whether some are near.
         const bool absent = !found[static_cast<std::size_t>(i * b.mesh.triangles.rows() + j)];
         if (!absent && nearest <= distance) continue;
         const Real value = least(posed_a, i, posed_b, j, distance);

@@ -29,7 +29,7 @@ void Tally::add(const Tally& other) {
 }
 
 Outcome ask_pair(const PairKind& kind, std::uint64_t salt, std::uint64_t seed, std::int64_t number) {
-  // Mixed step by step: pairs whose seeds and numbers differ by little have nothing in common.
+  // The numbers are mixed step by step, so that pairs with similar seeds and numbers have nothing in common.
   std::uint64_t mixed = test::SplitMix(seed)();
   mixed = test::SplitMix(mixed ^ salt)();
   test::TwinRandom random(test::SplitMix(mixed ^ static_cast<std::uint64_t>(number))());
@@ -37,7 +37,7 @@ Outcome ask_pair(const PairKind& kind, std::uint64_t salt, std::uint64_t seed, s
 }
 
 const std::vector<KindEntry>& all_kinds() {
-  // By what a pair costs, and by how much can go wrong with it.
+  // The shares depend on the cost of a pair and on the number of possible faults.
   static const std::vector<KindEntry> kinds = {
       {"resting", 20, resting_pairs},
       {"moving", 12, moving_pairs},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Pair tests against brute force: random and adversarial pairs, of which the truth is known exactly.
+// Pair tests against brute force: random and adversarial pairs whose truth is known exactly.
 
 #include "oracles/twin_bodies.h"
 
@@ -13,35 +13,35 @@
 namespace encage::twins {
 
 enum class Truth : std::uint8_t {
-  unknown,        ///< not looked for
+  unknown,        ///< not computed
   apart,          ///< farther apart than the margin
   within_margin,  ///< no contact, but not farther than the margin
   touching,       ///< in contact, or one inside the other
 };
 
-/// What one pair showed.
+/// Results for one pair.
 struct Outcome {
-  bool rejected = false;  ///< the code under test says: apart
-  bool missed = false;    ///< wrongly so
-  bool close = false;     ///< rejected, but no longer with 1e-4 of the bodies' size more; of bodies only
-  /// Looked for whether the pair was rejected or not: such pairs tell how common the answers are.
+  bool rejected = false;  ///< the code under test says "apart"
+  bool missed = false;    ///< rejected wrongly
+  bool close = false;     ///< for bodies: rejected, but not if the margin is larger by 1e-4 of their size
+  /// The truth was computed whether the pair was rejected or not: such pairs show how common each answer is.
   bool sampled = false;
-  Truth truth = Truth::unknown;  ///< of sampled pairs
-  /// Of sampled pairs: farther apart than the margin by so much that it should be rejected.
+  Truth truth = Truth::unknown;  ///< set for sampled pairs
+  /// For sampled pairs: the distance exceeds the margin by so much that the pair should be rejected.
   bool far = false;
-  std::string what{};  ///< describes the pair, if missed
+  std::string what{};  ///< describes the pair, if it was missed
 };
 
-/// Sums over pairs, in any order.
+/// Sums over pairs, which do not depend on their order.
 struct Tally {
   std::int64_t pairs = 0, rejected = 0, missed = 0, close = 0, sampled = 0;
-  std::int64_t touching = 0, within_margin = 0, far = 0, far_kept = 0;  ///< of the sampled ones
+  std::int64_t touching = 0, within_margin = 0, far = 0, far_kept = 0;  ///< counts of sampled pairs
 
   void add(const Outcome& outcome);
   void add(const Tally& other);
 };
 
-/// A way to make pairs and to know the truth about them. ask() may be called by several threads at a time.
+/// A way to make pairs and to compute their truth. Several threads may call ask() at a time.
 class PairKind {
  public:
   virtual ~PairKind() = default;
@@ -49,7 +49,7 @@ class PairKind {
   virtual Outcome ask(test::TwinRandom& random, std::int64_t number) const = 0;
 };
 
-/// Asks about pair `number` of a seed; `salt` tells kinds apart.
+/// Tests pair `number` of a seed; `salt` differs between kinds.
 Outcome ask_pair(const PairKind& kind, std::uint64_t salt, std::uint64_t seed, std::int64_t number);
 
 std::unique_ptr<PairKind> resting_pairs();       ///< separated() at rest
@@ -70,11 +70,11 @@ std::unique_ptr<PairKind> triangle_distances();  ///< triangle_distance()
 /// A kind and its share of the pairs.
 struct KindEntry {
   std::string name;
-  int share = 0;  ///< of the sum of all shares
+  int share = 0;  ///< out of the sum of all shares
   std::unique_ptr<PairKind> (*make)() = nullptr;
 };
 
-/// All of them, in the order of reports. Names and order are stable: they are part of what a seed means.
+/// Returns all kinds, in the order of reports. Names and order are stable, since the meaning of a seed depends on them.
 const std::vector<KindEntry>& all_kinds();
 
 }  // namespace encage::twins

@@ -17,7 +17,7 @@ using Vector = Eigen::Vector3d;
 
 namespace {
 
-/// Where a point lies with respect to a mesh or a cage; rejected: outside.
+/// Locates a point with respect to a mesh or a cage; rejected means outside.
 class Points : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t) const override {
@@ -34,7 +34,7 @@ class Points : public PairKind {
     const test::ExactBody probe(Vector::Zero(), shapes::mesh({{p.x(), p.y(), p.z()}}, {{0, 0, 0}}),
                                 Eigen::Isometry3d::Identity());
     Outcome outcome{.rejected = locate(surface, p) == Side::outside, .sampled = true, .truth = Truth::apart};
-    // On the surface there is no winding number: any answer will do.
+    // On the surface there is no winding number: any answer is correct.
     if (surfaces_meet(exact, probe, 0)) return {.rejected = outcome.rejected};
     if (winding_number(exact, p) != 0) outcome.truth = Truth::touching;
     outcome.missed = outcome.rejected && outcome.truth == Truth::touching;
@@ -44,7 +44,7 @@ class Points : public PairKind {
   }
 
  private:
-  /// Anywhere, on a lattice, near the surface, or on a ray that meets a vertex or an edge.
+  /// Returns a point anywhere, on a lattice, near the surface, or on a ray that meets a vertex or an edge.
   static Vector point(TwinRandom& random, const test::Body& body, const TriangleMesh& mesh) {
     const double size = 0.5 * body.diagonal();
     const Vector any = random.point(size);

@@ -14,14 +14,14 @@ namespace encage::twins {
 namespace {
 
 constexpr std::int64_t chunk_size = 128;
-constexpr std::size_t most_misses = 20;  // of a kind
+constexpr std::size_t most_misses = 20;  // per kind
 
 struct Chunk {
   std::size_t work = 0;
   std::int64_t first = 0, count = 0;
 };
 
-/// The works, cut into chunks that are counted through.
+/// The works, divided into chunks that are numbered consecutively.
 class Chunks {
  public:
   explicit Chunks(const std::vector<Work>& works) : works_(works) {
@@ -40,7 +40,8 @@ class Chunks {
   std::vector<std::int64_t> ends_;
 };
 
-/// The kind's name, not its place among those that run: a pair is the same with and without the others.
+/// The salt is derived from the kind's name, not from its index among those that run: a pair is the same with and
+/// without the others.
 std::uint64_t salt_of(const std::string& name) {
   std::uint64_t salt = 0;
   for (const char c : name) salt = test::SplitMix(salt ^ static_cast<unsigned char>(c))();
@@ -120,7 +121,7 @@ class Running {
   std::atomic<std::int64_t> next_ = 0, done_ = 0;
   std::atomic<int> ended_ = 0;
   std::atomic<bool> stop_ = false;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the following members
   Report report_;
   std::exception_ptr error_;
 };

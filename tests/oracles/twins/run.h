@@ -24,16 +24,16 @@ struct Miss {
 };
 
 struct Report {
-  std::vector<Tally> tallies;   ///< one for each work
-  std::vector<double> seconds;  ///< of CPU time, summed over the threads
-  std::vector<Miss> misses;     ///< by work, then number; the first ones of each work if there are many
+  std::vector<Tally> tallies;   ///< one per work
+  std::vector<double> seconds;  ///< CPU time, summed over the threads
+  std::vector<Miss> misses;     ///< sorted by work, then number; if there are many, only the first ones of each work
 };
 
-/// `pairs` divided by the shares of the kinds; the first kinds get what is left over.
+/// Divides `pairs` by the shares of the kinds; the first kinds get the remainder.
 std::vector<std::int64_t> divide(std::int64_t pairs, const std::vector<int>& shares);
 
-/// Asks about all pairs. But for `seconds` the report depends on works and seed alone, not on the threads.
-/// `progress` gets the fraction done, on the calling thread; what it or a kind throws ends the run.
+/// Tests all pairs. Except for `seconds` the report depends on works and seed alone, not on the threads. `progress`
+/// gets the completed fraction, on the calling thread. If it or a kind throws, the run ends.
 Report run(
     const std::vector<Work>& works, std::uint64_t seed, int threads,
     const std::function<void(double)>& progress = [](double) {});

@@ -9,7 +9,7 @@
 namespace encage::twins {
 namespace {
 
-/// Numbers for bodies: apart if positive; every seventh pair is rejected wrongly.
+/// Numbers instead of bodies: apart if positive; every seventh pair is rejected wrongly.
 class Numbers : public PairKind {
  public:
   Outcome ask(test::TwinRandom& random, std::int64_t number) const override {
@@ -25,7 +25,7 @@ class Numbers : public PairKind {
   }
 };
 
-/// Does not end by itself.
+/// A kind that does not end by itself.
 class Failing : public PairKind {
  public:
   Outcome ask(test::TwinRandom&, std::int64_t number) const override {
@@ -87,7 +87,7 @@ TEST(TwinRun, DividesPairsByShares) {
   EXPECT_EQ(counts[0] + counts[1] + counts[2] + counts[3], 2'999'999);
 }
 
-/// Each kind attacks: both answers are common, what is far is told.
+/// Each kind is significant: both answers are common, and far pairs are rejected.
 TEST(TwinKinds, MissNothingAndRejectWhatIsFar) {
   for (const KindEntry& entry : all_kinds()) {
     SCOPED_TRACE(entry.name);

@@ -14,7 +14,7 @@ using Vector = Eigen::Vector3d;
 
 namespace {
 
-/// From `start`: turned about the centre, which moves by at most `way`.
+/// Returns a motion from `start` that turns about the centre, which moves by at most `way`.
 Motion turned(TwinRandom& random, const Body& body, const Pose& start, double angle, double way) {
   Motion motion = Motion::resting(start, body.scale);
   const Vector axis = random.direction();
@@ -24,14 +24,14 @@ Motion turned(TwinRandom& random, const Body& body, const Pose& start, double an
   return motion;
 }
 
-/// The same motion of both, but for rounding: what touches or is contained does so throughout.
+/// Gives both bodies the same motion up to rounding: they then touch, or contain each other, throughout.
 void share_motion(Scene& scene) {
-  // With the inverse of an affine map: a pose's own would double what it is off from rigid.
+  // This uses the inverse of an affine map, because that of a pose would double its departure from rigid.
   const Eigen::Affine3d both = Eigen::Affine3d(scene.motion_a.end) * Eigen::Affine3d(scene.motion_a.start).inverse();
   scene.motion_b.end.matrix() = (both * Eigen::Affine3d(scene.motion_b.start)).matrix();
 }
 
-/// On a line, close to where the answer changes: grazing contact, at any time of the step.
+/// Moves a body along a line close to where the answer changes: grazing contact, at any time of the step.
 void near_change(TwinRandom& random, Scene& scene, double farthest, const Scenes::Query& query) {
   const Vector start = random.meeting_place(*scene.a, scene.motion_a.start, *scene.b, scene.motion_b.start);
   const Vector d = random.direction();
@@ -48,7 +48,7 @@ void nudge(TwinRandom& random, Vector& v) {
   for (unsigned i = random.below(4); i > 0; --i) x = std::nextafter(x, random.coin() ? 1e300 : -1e300);
 }
 
-/// Faces, edges and vertices that meet exactly, or miss by some units in the last place.
+/// Makes faces, edges and vertices meet exactly, or miss by some units in the last place.
 void on_lattice_at_rest(TwinRandom& random, Scene& scene) {
   Pose pose_a = scene.motion_a.start, pose_b = scene.motion_b.start;
   pose_a.linear() = random.quarter_turns();
@@ -61,12 +61,12 @@ void on_lattice_at_rest(TwinRandom& random, Scene& scene) {
   scene.motion_b = Motion::resting(pose_b, scene.b->scale);
 }
 
-/// The same during a step: they slide along each other, or meet at its end.
+/// The same during a step: the bodies slide along each other, or meet at its end.
 void on_lattice_moving(TwinRandom& random, Scene& scene) {
   const auto lattice_motion = [&](const Body& body, Motion& motion) {
     motion.start.linear() = random.quarter_turns();
     motion.end.linear() = motion.start.linear();
-    // Of a quarter turn at most: half a turn is not usable.
+    // The turn is a quarter at most, because half a turn is not usable.
     if (random.below(4) == 0) motion.end.linear().col(0).swap(motion.end.linear().col(1));
     if (motion.end.linear() != motion.start.linear()) motion.end.linear().col(0) *= -1;
     const Vector by = random.lattice_point() * scene.unit;
@@ -114,7 +114,7 @@ std::string Scene::text() const {
 }
 
 Scenes::Scenes(Bodies bodies, bool large) {
-  // The largest is beyond what the box gate calculates with: nothing may go wrong there.
+  // The largest unit is beyond the range of the box gate, which must not prove anything wrong there.
   for (const int exponent : {0, -60, 60, 100}) {
     InUnit& unit = units_.emplace_back(InUnit{std::ldexp(1.0, exponent), {}, {}});
     unit.small = kept(test::twin_bodies(exponent), bodies);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Two bodies at rest or during a step, most of them where the answer of some query changes; and the truth about them.
+// Two bodies at rest or during a step, mostly close to where the answer of some query changes, and their truth.
 
 #include "oracles/twin_bodies.h"
 #include "oracles/twins/pair_kind.h"
@@ -20,16 +20,17 @@ struct Scene {
   const test::Body* b = nullptr;
   Motion motion_a, motion_b;
   double margin = 0;
-  double unit = 1;  ///< of lengths, a power of two
+  double unit = 1;  ///< of lengths; a power of two
 
   double size() const { return (a->diagonal() + b->diagonal()) / 2; }
-  /// A distance so large, compared with the bodies, that more than it should be told.
+  /// A distance so large, compared with the bodies, that queries must recognise a larger one.
   double one_per_cent() const { return 0.01 * std::max(a->diagonal(), b->diagonal()); }
-  /// Every stage that may reject.
+  /// Runs every stage that may reject.
   Verdict ask(double more = 0) const {
     return separated(*a->shape, motion_a, *b->shape, motion_b, {.margin = margin + more, .cages = CageUse::always});
   }
-  /// Where numbers are in range and rounding is far below 1 %: a pose may drift by 2.5e-10 of its distance.
+  /// True if numbers are in range and rounding is far below 1 %: a pose may depart from rigid by 2.5e-10 of its
+  /// distance.
   bool well_conditioned() const { return unit < 0x1p90 && motion_a.start.translation().norm() < 1e5 * unit; }
   std::string text() const;
 };
@@ -38,10 +39,10 @@ struct Scene {
 class Scenes {
  public:
   enum class Bodies { all, with_fine_mesh };
-  /// `large`: whether there are large ones at all.
+  /// `large` is false if there must be no large bodies.
   Scenes(Bodies bodies, bool large);
 
-  /// Whether the query under test rejects the scene: places are sought where that changes.
+  /// True if the query under test rejects the scene; the scenes search for positions where that changes.
   using Query = std::function<bool(const Scene&)>;
   Scene resting(test::TwinRandom& random, std::int64_t number, const Query& query) const;
   Scene moving(test::TwinRandom& random, std::int64_t number, const Query& query) const;
@@ -53,10 +54,10 @@ class Scenes {
   };
   Scene start(test::TwinRandom& random, std::int64_t number) const;
 
-  std::vector<InUnit> units_;  ///< the usual one, a tiny and a huge one
+  std::vector<InUnit> units_;  ///< the usual unit, a tiny and a huge one
 };
 
-/// Brute force about bodies at rest, exact. The bodies are the sources, not what is stored of them.
+/// Exact brute force for bodies at rest. The bodies are the sources, not the stored meshes.
 class RestingTruth {
  public:
   explicit RestingTruth(const Scene& scene);
@@ -64,13 +65,13 @@ class RestingTruth {
   RestingTruth(const RestingTruth&) = delete;
   RestingTruth& operator=(const RestingTruth&) = delete;
 
-  bool within_margin() const;  ///< or in contact, or contained
+  bool within_margin() const;  ///< also true in contact or containment
   Truth truth() const;
-  bool farther(double more) const;  ///< than the margin and `more`
-  /// Triangles i of a and j of b are no farther apart than the margin.
+  bool farther(double more) const;  ///< farther apart than the margin plus `more`
+  /// True if triangles i of a and j of b are no farther apart than the margin.
   bool triangles_near(std::int64_t i, std::int64_t j) const;
   bool surfaces_near(double distance) const;
-  /// One holds a part of the other; of bodies whose surfaces do not meet.
+  /// True if one body contains a part of the other. The surfaces must not meet.
   bool held() const;
 
  private:
@@ -78,8 +79,8 @@ class RestingTruth {
   std::unique_ptr<Data> data_;
 };
 
-/// Brute force about a step: exact times of contact; with a margin, what is seen of distances. The vertices' places
-/// are rounded; what a query rejects is farther apart than that.
+/// Brute force for a step: exact times of contact; with a margin, sampled distances. The vertices' positions are
+/// rounded; queries reject only bodies that are farther apart than that rounding.
 class MovingTruth {
  public:
   enum class Meshes { sources, fine };
@@ -88,14 +89,14 @@ class MovingTruth {
   MovingTruth(const MovingTruth&) = delete;
   MovingTruth& operator=(const MovingTruth&) = delete;
 
-  Truth truth() const;              ///< unknown is none of the answers
-  bool farther(double more) const;  ///< proven farther apart than the margin and `more` throughout
-  /// The same of surfaces alone: one inside the other is apart.
+  Truth truth() const;              ///< never Truth::unknown
+  bool farther(double more) const;  ///< proven farther apart than the margin plus `more` throughout
+  /// The same for the surfaces alone: a body inside the other is apart.
   Truth surface_truth() const;
   bool surfaces_farther(double more) const;
-  /// Pairs of triangles that come within the margin and are not among the `known` ones (i * triangles of b + j).
+  /// True if some pair of triangles comes within the margin and is not among the `known` ones (i * triangles of b + j).
   bool near_triangles_but(const std::vector<bool>& known) const;
-  /// Upper bound of the first time of contact; more than 1 if there is none. 0 if they intersect at the start.
+  /// Upper bound of the first time of contact; more than 1 if there is none, 0 if the bodies intersect at the start.
   double latest_first_contact() const;
 
  private:
@@ -103,7 +104,7 @@ class MovingTruth {
   std::unique_ptr<Data> data_;
 };
 
-/// One body during a step.
+/// Returns a random motion of one body during a step.
 Motion random_motion(test::TwinRandom& random, const test::Body& body, const Eigen::Isometry3d& start);
 
 /// Moves the whole motion so that the body's centre starts at `where`.

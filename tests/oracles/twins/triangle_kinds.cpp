@@ -26,7 +26,7 @@ namespace {
 
 double largest_norm(const TriangleD& t) { return std::max({t[0].norm(), t[1].norm(), t[2].norm()}); }
 
-/// No more than callers add for the rounding of the test.
+/// The largest amount that callers add for the rounding of the test.
 double required(double margin, double norms) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   return margin * (1 + 64 * eps) + 4 * eps * norms;
@@ -51,7 +51,7 @@ class TrianglePairs : public PairKind {
  public:
   Outcome ask(TwinRandom& random, std::int64_t) const override {
     const auto [a, b, setting] = random_triangle_pair(random);
-    // Any, or just what their distance is.
+    // The margin is random, or equals the distance of the triangles.
     double margin = 0;
     if (random.coin()) margin = std::pow(10.0, -random.uniform(0, 8)) * setting.scale;
     if (random.below(3) == 0) margin = nudged(random, static_cast<double>(test::triangle_distance(real(a), real(b))));
@@ -106,13 +106,13 @@ class MovingTriangles : public PairKind {
       outcome.what = text(a.start) + " to" + text(a.end) + " and" + text(b.start) + " to" + text(b.end) + ", margin " +
                      std::to_string(margin);
     }
-    // Pieces of time are cut no shorter than 2^-8: turning edges lose as much.
+    // Time is cut into pieces no shorter than 2^-8, and turning edges lose as much.
     outcome.far = outcome.truth == Truth::apart && !come_within(mesh_a, mesh_b, margin + 0.05 * setting.scale, 0x1p-9);
     return outcome;
   }
 
  private:
-  /// Nearly rigid, or any other end.
+  /// Returns a nearly rigid motion, or one with any other end.
   static MovingTriangle moving(TwinRandom& random) {
     MovingTriangle m{random_triangle(random), {}};
     if (random.below(4) == 0) {
@@ -127,7 +127,7 @@ class MovingTriangles : public PairKind {
     return m;
   }
 
-  /// Some points of both meet at some time, or nearly.
+  /// Makes some points of both triangles meet, or almost meet, at some time.
   static void meet(TwinRandom& random, const MovingTriangle& a, MovingTriangle& b) {
     const double t = std::array{0.0, 0.5, 1.0, random.uniform(0, 1)}[random.below(4)];
     const auto at = [t](const MovingTriangle& m) { return TriangleD{m.corner(0, t), m.corner(1, t), m.corner(2, t)}; };

@@ -26,8 +26,8 @@ namespace encage {
 
 inline std::span<const std::byte> as_byte_span(const std::string& bytes) { return std::as_bytes(std::span(bytes)); }
 
-/// A file's bytes at a 64-byte aligned address with nothing behind them, so that
-/// the address sanitizer sees every read beyond the end.
+/// A file's bytes at a 64-byte aligned address with nothing behind them, so that the address sanitizer detects every
+/// read beyond the end.
 class AlignedBytes {
  public:
   explicit AlignedBytes(const std::string& bytes)
@@ -45,8 +45,8 @@ class AlignedBytes {
   std::size_t size_;
 };
 
-/// Changes the JSON and the arrays of an asset and hashes all anew: what an
-/// attacker or a faulty writer could make, and no hash can notice. There is no index any more, which would tell.
+/// Changes the JSON and the arrays of an asset and computes all hashes anew: the result is what an attacker or a faulty
+/// writer could make, and no hash can detect it. The index is dropped, because it would reveal the change.
 inline std::string forge(const std::string& asset, const std::function<void(nlohmann::json&)>& edit_json,
                          const std::function<void(std::string& bin)>& edit_bin = {}) {
   const Glb glb = parse_glb(as_byte_span(asset), "asset");
@@ -73,7 +73,7 @@ inline std::string forge(const std::string& asset, const std::function<void(nloh
   return bytes + to_string(hash_bytes(as_byte_span(bytes)));
 }
 
-/// Where an asset's section starts, within the file.
+/// Offset of an asset's section within the file.
 inline std::size_t section_offset(const std::string& asset, const std::string& name) {
   const Glb glb = parse_glb(as_byte_span(asset), "asset");
   const nlohmann::json document = nlohmann::json::parse(glb.json);
@@ -95,7 +95,7 @@ inline void write_bytes(const std::filesystem::path& file, const std::string& by
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
-/// A file of this test alone, removed at the end.
+/// A file for this test alone, removed at the end.
 class TemporaryFile {
  public:
   TemporaryFile() {
@@ -113,7 +113,7 @@ class TemporaryFile {
   std::filesystem::path path_;
 };
 
-/// The message of the Error that `action` throws; a failure if it throws none.
+/// Returns the message of the Error that `action` throws; fails if it throws none.
 template <class Action>
 std::string error_of(Action&& action) {
   try {

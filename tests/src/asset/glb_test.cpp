@@ -59,7 +59,7 @@ TEST(AssetGlb, never_reads_beyond_a_truncated_file) {
   const std::string good = sample();
   for (std::size_t n = 0; n < good.size(); ++n) {
     std::string cut = good.substr(0, n);
-    if (n >= 12) cut = with_word(cut, 8, static_cast<std::uint32_t>(n));  // so that the chunks get looked at
+    if (n >= 12) cut = with_word(cut, 8, static_cast<std::uint32_t>(n));  // makes the reader test the chunks
     const AlignedBytes bytes(cut);
     EXPECT_THROW(parse_glb(bytes.span(), "f"), Error) << n;
   }

@@ -20,7 +20,7 @@ std::string sample() { return encode_asset(sample_hierarchy(), "Encage 0.1.0", "
 
 AssetIndex index_of(const std::string& asset) { return decode_index(*find_index(as_byte_span(asset)), "f.glb"); }
 
-/// The asset with another index of the same size.
+/// Returns the asset with another index of the same size.
 std::string with_index(std::string asset, const AssetIndex& index) {
   const std::string bytes = encode_index(index);
   const auto place = find_index(as_byte_span(asset));
@@ -29,7 +29,7 @@ std::string with_index(std::string asset, const AssetIndex& index) {
   return asset.replace(offset, bytes.size(), bytes);
 }
 
-/// The message that reading arrays by the index ends with; empty if nothing is refused.
+/// Returns the message of the refusal when arrays are read by the index; empty if nothing is refused.
 std::string refusal(const std::string& asset) {
   const AlignedBytes aligned(asset);
   try {
@@ -56,7 +56,7 @@ TEST(AssetIndexes, SayWhatTheJsonSays) {
     EXPECT_EQ(view.fine_bytes(), json.fine_bytes());
     EXPECT_EQ(view.fine_triangle_count(), json.fine_triangle_count());
     EXPECT_EQ(view.fine_arrays() ? 1 : 0, with_fine ? 1 : 0);
-    ASSERT_EQ(view.sections().size() + 1, json.sections().size());  // all but itself
+    ASSERT_EQ(view.sections().size() + 1, json.sections().size());  // all but the index itself
     for (std::size_t i = 0; i < view.sections().size(); ++i) {
       const AssetSection &a = view.sections()[i], &b = json.sections()[i];
       EXPECT_EQ(a.name, b.name);
@@ -87,7 +87,7 @@ TEST(AssetIndexes, DamageIsNoticedInEveryByte) {
   for (std::size_t i = end - size; i < end; ++i) {
     std::string bytes = good;
     bytes[i] = static_cast<char>(bytes[i] ^ 1);
-    // Where it is not taken for an index any more, the JSON tells.
+    // Where the bytes are no longer taken for an index, the JSON reports it.
     EXPECT_EQ(refusal(bytes), "f.glb: section \"index\": its hash does not match: the file is damaged") << i - end;
   }
   std::string cage = good;
@@ -111,18 +111,18 @@ TEST(AssetIndexes, NonsenseIsRefused) {
   EXPECT_EQ(edited([](AssetIndex& i) { i.solid = static_cast<Solid>(3); }), index + "solid is 3, not 0, 1 or 2");
   const std::string place = "f.glb: section \"index\": \"cage 1 boxes\" cannot be where it says";
   const auto moved = [&](auto&& edit) { return edited([&](AssetIndex& i) { edit(i.meshes[1][2]); }); };
-  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.before = 0xFFFFFFC0; }), place);  // before the file
-  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.before += 64; }), place);         // over the one before
+  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.before = 0xFFFFFFC0; }), place);  // before the start of the file
+  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.before += 64; }), place);         // overlaps the previous array
   EXPECT_EQ(moved([](AssetIndex::Array& a) { a.before -= 32; }), place);         // not aligned
   EXPECT_EQ(moved([](AssetIndex::Array& a) { a.size = 0; }), place);
-  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.size += 1; }), place);                          // no whole elements
-  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.size = a.before / 192 * 192 + 192; }), place);  // over the index
+  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.size += 1; }), place);  // no multiple of the element size
+  EXPECT_EQ(moved([](AssetIndex::Array& a) { a.size = a.before / 192 * 192 + 192; }), place);  // overlaps the index
   EXPECT_EQ(edited([](AssetIndex& i) { i.meshes[2][0].before = i.meshes[0][0].before; }),
             "f.glb: section \"index\": \"cage 2 vertices\" cannot be where it says");  // not in order
 }
 
-/// The sample with these bytes in the index's place, and every hash right. Its section stands in `sections`, the
-/// JSON's, as it should, before `edit` may change that.
+/// Returns the sample with these bytes as its index, and every hash correct. Its section appears in `sections`, those
+/// of the JSON, as it should, before `edit` may change that.
 std::string with_index_bytes(const std::string& index, const std::function<void(nlohmann::json& sections)>& edit = {}) {
   const std::string good = sample();
   const std::string bytes = forge(
@@ -164,12 +164,12 @@ TEST(AssetIndexes, AreComparedWithTheJsonWhereAllIsVerified) {
             "f.glb: section \"index\": of \"cage 1 leaves\" it does not say what the JSON says");
 }
 
-// Loading takes what lies before the seal, whatever the JSON says of an index.
+// Loading uses the bytes before the seal, whatever the JSON says about an index.
 TEST(AssetIndexes, AreWhereTheJsonSays) {
   AssetIndex index = index_of(sample());
   index.origin[1] += 1;
   const std::string bytes = encode_index(index);
-  // The size of the file is known once it has been made.
+  // The size of the file is known only after it has been made.
   const auto fitted = [&](auto&& edit) {
     index.file_size = static_cast<std::uint32_t>(with_index_bytes(bytes, edit).size());
     return with_index_bytes(encode_index(index), edit);
@@ -185,7 +185,7 @@ TEST(AssetIndexes, AreWhereTheJsonSays) {
   EXPECT_EQ(refusal_of_all(with_index_bytes(std::string(bytes.size(), '\0'))), elsewhere);
 }
 
-// A mesh is what its accessors name; by the index it is what its sections are called.
+// In the JSON, accessors define a mesh; in the index, the names of sections do.
 TEST(AssetIndexes, MeshesAreCalledWhatTheyAre) {
   const auto swap = [](nlohmann::json& sections) {
     std::vector<nlohmann::json*> vertices;

@@ -54,7 +54,7 @@ CageHierarchy round_trip(const CageHierarchy& hierarchy) {
 }
 
 TEST(AssetReader, golden_file_of_version_1_stays_readable) {
-  // The first one is from before trees were stored.
+  // The first file is of a version that stored no trees.
   for (const char* file : {"/asset_v1.glb", "/asset_v1_trees.glb", "/asset_v1_boxes.glb", "/asset_v1_index.glb"}) {
     expect_same(read_asset(std::string(ENCAGE_TEST_DATA) + file, Verify::all), sample_hierarchy());
   }
@@ -74,7 +74,7 @@ TEST(AssetReader, returns_what_was_written) {
   CageHierarchy hierarchy = sample_hierarchy();
   hierarchy.truncated = true;
   hierarchy.solid = Solid::surface_only;
-  hierarchy.origin = {0.1, 1e300, -4.9e-324};  // doubles that float32 cannot hold
+  hierarchy.origin = {0.1, 1e300, -4.9e-324};  // doubles that float32 cannot represent
   hierarchy.diagonal = 1.0 / 3;
   hierarchy.levels[0].mesh.vertices(0, 0) = 1.401298464324817e-45;  // the smallest float32
   hierarchy.levels[0].mesh.vertices(0, 1) = 3.4028234663852886e38;  // the largest
@@ -97,7 +97,7 @@ TEST(AssetReader, options_come_back_compact_and_sorted) {
   EXPECT_EQ(round_trip(hierarchy).options, R"({"a":[1,2],"b":1e-05})");
 }
 
-/// Flips bits of one byte of a file on disk as long as it lives.
+/// Flips bits of one byte of a file on disk as long as the object lives.
 class FlippedByte {
  public:
   FlippedByte(std::fstream& file, std::size_t offset, char original, int mask)
@@ -122,7 +122,7 @@ TEST(AssetReader, verify_all_notices_any_flipped_byte) {
   const std::string good = read_bytes(file.path());
   std::fstream stream(file.path(), std::ios::binary | std::ios::in | std::ios::out);
   for (std::size_t i = 0; i < good.size(); ++i) {
-    // 0x20 turns "a" into "A" and a space into NUL; the shifted one visits all bits.
+    // 0x20 turns "a" into "A" and a space into NUL; the shifted mask visits all bits.
     for (const int mask : {0xff, 0x20, 1 << i % 8}) {
       const FlippedByte flipped(stream, i, good[i], mask);
       ASSERT_EQ(error_of([&] { read_asset(file.path(), Verify::all); }).find(file.path().string() + ": "), 0U)
@@ -137,26 +137,26 @@ TEST(AssetReader, verify_cages_notices_damage_to_json_and_cages_only) {
   write_asset(file.path(), sample_hierarchy());
   const std::string good = read_bytes(file.path());
   const std::size_t bin_start = parse_glb(as_byte_span(good), "f").head.size();
-  // Bytes in which a flipped lowest bit leaves a valid mesh, and what must be noticed.
-  std::vector<std::pair<std::size_t, bool>> places;
-  for (std::size_t i = 0; i < bin_start; ++i) places.emplace_back(i, true);
-  for (std::size_t i = 0; i < 96; i += 4) places.emplace_back(bin_start + i, false);  // the source's vertices
-  places.emplace_back(bin_start + 96, false);                                         // padding
+  // Bytes in which a flipped lowest bit leaves a valid mesh, each with a flag: the damage must be detected.
+  std::vector<std::pair<std::size_t, bool>> offsets;
+  for (std::size_t i = 0; i < bin_start; ++i) offsets.emplace_back(i, true);
+  for (std::size_t i = 0; i < 96; i += 4) offsets.emplace_back(bin_start + i, false);  // the source's vertices
+  offsets.emplace_back(bin_start + 96, false);                                         // padding
   const std::size_t cage = section_offset(good, "cage 1 vertices");
-  for (std::size_t i = 0; i < 72; i += 4) places.emplace_back(cage + i, true);
+  for (std::size_t i = 0; i < 72; i += 4) offsets.emplace_back(cage + i, true);
   for (std::size_t i = 0; i < seal_size; ++i) {
-    places.emplace_back(good.size() - seal_size + i, i < seal_hash_size);
+    offsets.emplace_back(good.size() - seal_size + i, i < seal_hash_size);
   }
   std::fstream stream(file.path(), std::ios::binary | std::ios::in | std::ios::out);
-  for (const auto& [place, must_notice] : places) {
-    const FlippedByte flipped(stream, place, good[place], 1);
+  for (const auto& [offset, must_notice] : offsets) {
+    const FlippedByte flipped(stream, offset, good[offset], 1);
     bool noticed = false;
     try {
       read_asset(file.path(), Verify::cages);
     } catch (const Error&) {
       noticed = true;
     }
-    EXPECT_EQ(noticed, must_notice) << place;
+    EXPECT_EQ(noticed, must_notice) << offset;
   }
 }
 

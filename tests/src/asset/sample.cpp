@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Writes the sample asset for tools that are no part of the test programs.
+// Writes the sample asset for tools outside the test programs.
 #include "tests/src/asset/sample.h"
 
 #include <encage/asset.h>

@@ -5,9 +5,8 @@
 
 namespace encage {
 
-/// A cube of side 1 in an octahedron in a tetrahedron, far from 0: small, with
-/// known volumes, and every optional field of the format in use. The octahedron has
-/// faces parallel to its cage's, so the clearances are known, too.
+/// A cube of side 1 in an octahedron in a tetrahedron, far from 0: small, with known volumes, and with every optional
+/// field of the format. The octahedron has faces parallel to its cage's, so the clearances are known, too.
 inline CageHierarchy sample_hierarchy() {
   CageHierarchy h;
   h.origin = {1000.5, 0, -0.1};

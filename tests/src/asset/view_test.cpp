@@ -17,13 +17,13 @@ using nlohmann::json;
 
 std::string sample() { return encode_asset(sample_hierarchy(), "Encage 0.1.0", "f.glb"); }
 
-/// Opens an asset in memory and touches all of it.
+/// Opens an asset in memory and reads all of it.
 void use(const std::string& bytes, Verify verify) {
   const AlignedBytes aligned(bytes);
   copy_hierarchy(AssetView(aligned.span(), "f.glb", verify));
 }
 
-/// The message for a sample whose JSON was edited and hashed anew.
+/// Returns the message for a sample whose JSON was edited and hashed anew.
 template <class Edit>
 std::string refusal(Edit&& edit) {
   return error_of([&] { use(forge(sample(), edit), Verify::all); });
@@ -34,7 +34,7 @@ json& extension(json& document) { return document["extensions"]["ENCAGE_cages"];
 TEST(AssetView, shows_aligned_arrays_in_place) {
   const AlignedBytes bytes(sample());
   const AssetView view(bytes.span(), "f.glb", Verify::all);
-  // Of three meshes vertices, triangles, boxes, leaves, owned, parts; the index.
+  // Three meshes have vertices, triangles, boxes, leaves, owned and parts each; the index comes last.
   ASSERT_EQ(view.sections().size(), 19U);
   for (const AssetSection& section : view.sections()) {
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(section.bytes.data()) % 64, 0U);
@@ -63,7 +63,7 @@ TEST(AssetView, stays_valid_when_moved) {
   EXPECT_EQ(moved.cage(1).triangles[3], (std::array<std::uint32_t, 3>{1, 3, 2}));
 }
 
-TEST(AssetView, forged_without_a_change_is_accepted) {  // else the refusals below would prove nothing
+TEST(AssetView, forged_without_a_change_is_accepted) {  // otherwise the refusals below would prove nothing
   EXPECT_NO_THROW(use(forge(
                           sample(), [](json&) {}, [](std::string&) {}),
                       Verify::all));
@@ -231,7 +231,7 @@ TEST(AssetView, garbage_is_noticed) {
   }
 }
 
-/// Every value of the document, however deep.
+/// Collects every value of the document, at any depth.
 void collect(json& value, std::vector<json*>& all) {
   all.push_back(&value);
   if (!value.is_structured()) return;
@@ -258,7 +258,7 @@ TEST(AssetView, forged_json_is_refused_or_harmless) {
     }
   }
   EXPECT_GT(refused, 1000);
-  EXPECT_GT(accepted, 100);  // names, materials and the like are not the reader's business
+  EXPECT_GT(accepted, 100);  // the reader ignores names, materials and the like
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string encode(const CageHierarchy& hierarchy) { return encode_asset(hierarchy, "Encage 0.1.0", "f.glb"); }
 
-/// The message for a sample spoilt by `edit`.
+/// Returns the message for a sample damaged by `edit`.
 template <class Edit>
 std::string refusal(Edit&& edit) {
   CageHierarchy hierarchy = sample_hierarchy();

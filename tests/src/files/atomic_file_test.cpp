@@ -21,14 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of this test alone, removed at the end.
+/// A folder for this test alone, removed at the end.
 class Folder {
  public:
   Folder() { fs::create_directories(file_.path()); }
   ~Folder() {
     std::error_code ignored;
     fs::remove_all(file_.path(), ignored);
-    fs::create_directories(file_.path(), ignored);  // for `file_` to remove
+    fs::create_directories(file_.path(), ignored);  // `file_` removes it
   }
   fs::path operator/(const std::string& name) const { return file_.path() / name; }
   std::size_t size() const {

@@ -62,7 +62,7 @@ TEST(FileImage, refuses_what_is_no_regular_file) {
   }
 }
 
-/// Three pages and a little, every byte of a page the same.
+/// Returns three pages and a little more, each page filled with one byte value.
 std::string pages() {
   const auto size = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   return std::string(size, 'a') + std::string(size, 'b') + std::string(size, 'c') + "de";
@@ -81,7 +81,7 @@ TEST(FileImage, a_copy_has_what_was_fetched_until_it_is_discarded) {
   image.close();
   image.fetch(image.bytes());
   EXPECT_EQ(text(image), content);
-  // Whole pages only: the others belong to neighbours, too.
+  // Only whole pages are discarded, because neighbours share the others.
   image.discard(image.bytes().subspan(1, 2 * page));
   EXPECT_EQ(text(image), content.substr(0, page) + std::string(page, '\0') + content.substr(2 * page));
   image.discard(image.bytes().subspan(2 * page + 1, 10));

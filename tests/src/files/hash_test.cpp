@@ -13,7 +13,7 @@ namespace {
 std::span<const std::byte> bytes(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 TEST(Hash, MatchesPublishedValueOfXxh3) {
-  // `printf '' | xxhsum -H2`
+  // The output of `printf '' | xxhsum -H2`.
   EXPECT_EQ(to_string(hash_bytes({})), "99aa06d3014798d86001c324468d497f");
 }
 

@@ -29,7 +29,7 @@ class Poses : public testing::Test {
     return read_poses(path());
   }
 
-  /// The message without the file's name.
+  /// Returns the message without the file's name.
   std::string refusal(const std::string& text) const {
     try {
       read(text);
@@ -54,7 +54,7 @@ TEST_F(Poses, ReadsStepsAndBodies) {
   EXPECT_EQ(steps[0].bodies[1].body, 7);
   EXPECT_EQ(steps[0].bodies[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_TRUE(steps[0].bodies[0].pose.linear().isIdentity(0));
-  // (0, 0, 0.6, 0.8) turns x towards y by cos = 0.28.
+  // (0, 0, 0.6, 0.8) turns x towards y with cos = 0.28.
   EXPECT_NEAR(steps[0].bodies[1].pose.linear()(0, 0), 0.28, 1e-15);
   EXPECT_NEAR(steps[0].bodies[1].pose.linear()(1, 0), 0.96, 1e-15);
   EXPECT_EQ(steps[1].bodies[0].pose.linear().diagonal(), Eigen::Vector3d(1, -1, -1));

@@ -21,7 +21,7 @@ TEST(LocalOrigin, is_short_in_print_and_within_half_a_diagonal) {
   EXPECT_LE((origin - box.center()).cwiseAbs().maxCoeff(), box.diagonal().norm() / 2);
 }
 
-// The sanitizer for undefined behaviour watches: the exponent of 0 is the least int.
+// The undefined-behaviour sanitizer guards this: the exponent of 0 is the least int.
 TEST(LocalOrigin, of_a_single_point_is_that_point) {
   EXPECT_EQ(local_origin(around({7.3, 0, -1e300}, 0)), Eigen::Vector3d(7.3, 0, -1e300));
   EXPECT_EQ(local_origin(around(Eigen::Vector3d::Zero(), 0)), Eigen::Vector3d::Zero());

@@ -28,7 +28,8 @@ TriangleMesh soup(int triangles, unsigned seed) {
   return mesh;
 }
 
-/// Every node's box holds what is below it; leaves partition the triangles; depth and sizes keep their bounds.
+/// Checks that every node's box contains everything below it, that leaves partition the triangles, and that depth and
+/// sizes keep their limits.
 void expect_valid(const TriangleMesh& mesh, const Bvh& tree) {
   struct Visit {
     std::int32_t node;
@@ -80,7 +81,7 @@ TEST(Bvh, EqualAndCollinearCentresKeepTheDepthBound) {
   TriangleMesh same = soup(1, 2);
   same.triangles = same.triangles.replicate(3000, 1).eval();
   expect_valid(same, build_bvh(same));
-  // Each triangle twice as far as the one before: the heuristic alone would split off one at a time.
+  // Each triangle is twice as far as the one before: the heuristic alone would split off one at a time.
   TriangleMesh growing = soup(120, 3);
   for (int t = 0; t < 120; ++t) growing.vertices.middleRows(3 * t, 3) *= std::ldexp(1.0, t - 60);
   expect_valid(growing, build_bvh(growing));
@@ -88,7 +89,7 @@ TEST(Bvh, EqualAndCollinearCentresKeepTheDepthBound) {
 
 TEST(Bvh, RoundsOutward) {
   TriangleMesh mesh = soup(200, 4);
-  mesh.vertices.array() += 1e6;  // far more digits than float holds
+  mesh.vertices.array() += 1e6;  // far more digits than float can represent
   expect_valid(mesh, build_bvh(mesh));
 }
 

@@ -23,7 +23,7 @@ TriangleMesh rounded(TriangleMesh mesh) {
   return mesh;
 }
 
-/// Triangles over few vertices: edges of many triangles, repeated vertices, repeated triangles, unused vertices.
+/// Triangles over few vertices: edges with many triangles, repeated vertices, repeated triangles, unused vertices.
 TriangleMesh tangle(int vertices, int triangles, std::uint32_t seed) {
   shapes::Random random(seed);
   TriangleMesh mesh;
@@ -79,7 +79,7 @@ TEST(MeshArrays, PartsAreComponentsWithTheirExtremes) {
     ASSERT_EQ(std::ssize(arrays.parts), triangle_components(mesh, label));
     for (std::size_t p = 0; p < arrays.parts.size(); ++p) {
       const MeshPart& part = arrays.parts[p];
-      // The part alone, on the same vertices.
+      // The part alone, with the same vertices.
       TriangleMesh alone = mesh;
       std::int64_t count = 0;
       for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {

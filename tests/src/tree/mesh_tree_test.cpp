@@ -29,7 +29,7 @@ TriangleMesh rounded(TriangleMesh mesh) {
   return mesh;
 }
 
-/// Triangles that share no vertices; some degenerate, some repeated.
+/// Triangles that share no vertices; some are degenerate, some repeated.
 TriangleMesh soup(int triangles, std::uint32_t seed) {
   shapes::Random random(seed);
   TriangleMesh mesh;
@@ -55,7 +55,7 @@ TriangleMesh coincident(int triangles) {
   return mesh;
 }
 
-/// Sizes that shrink by a factor from one triangle to the next: splits by area peel off one at a time.
+/// Sizes that shrink by a factor from one triangle to the next: splits by area separate one at a time.
 TriangleMesh geometric(int triangles) {
   TriangleMesh mesh;
   mesh.vertices.resize(3 * triangles, 3);
@@ -87,7 +87,7 @@ std::vector<std::pair<std::string, TriangleMesh>> meshes() {
           {"coincident", coincident(10'000)}};
 }
 
-/// The properties that a traversal needs, checked by a recursion of its own.
+/// Checks the properties that a traversal needs, by a recursion of its own.
 class Walk {
  public:
   Walk(const MeshTree& tree, const TriangleMesh& mesh)
@@ -99,7 +99,7 @@ class Walk {
 
  private:
   using Box = Eigen::AlignedBox3d;
-  /// The tight box of what is below a node.
+  /// Returns the tight box around everything below a node.
   Box visit(std::int32_t n, int depth) {
     deepest = std::max(deepest, depth);
     ++nodes[n];
@@ -126,7 +126,7 @@ class Walk {
         }
       }
       for (int axis = 0; axis < 3; ++axis) {
-        // The next place of the grid, or one more where its numbers are rounded.
+        // The bound is the next grid coordinate, or one more where the coordinates are rounded.
         const auto low = static_cast<double>(view_.lower(node, axis, lane));
         const auto high = static_cast<double>(view_.upper(node, axis, lane));
         const double reach = 2.001 * static_cast<double>(tree_.grid.step);
@@ -208,9 +208,10 @@ TEST(TreeGrid, CoversTheVerticesInStepsThatIncrease) {
       EXPECT_GE(grid.at(axis, 32767), axis < 2 ? high : -low);
       EXPECT_GT(grid.step, 0);
       for (int i = 0; i < 50; ++i) {
-        const int place = random.integer(65535) - 32768;
-        EXPECT_LT(grid.at(axis, static_cast<std::int16_t>(place)), grid.at(axis, static_cast<std::int16_t>(place + 1)))
-            << size << " " << offset << " " << place;
+        const int coordinate = random.integer(65535) - 32768;
+        EXPECT_LT(grid.at(axis, static_cast<std::int16_t>(coordinate)),
+                  grid.at(axis, static_cast<std::int16_t>(coordinate + 1)))
+            << size << " " << offset << " " << coordinate;
       }
     }
   }
@@ -218,7 +219,7 @@ TEST(TreeGrid, CoversTheVerticesInStepsThatIncrease) {
 
 // ---- Damage ----------------------------------------------------------------
 
-/// The message for a tree that `spoil` damaged; the mesh is a sphere of 512 triangles.
+/// Returns the message for a tree that `spoil` damaged; the mesh is a sphere of 512 triangles.
 std::string refusal(const std::function<void(MeshTree&)>& spoil) {
   static const MeshArrays arrays = make_mesh_arrays(rounded(shapes::sphere(3)), "m");
   MeshTree tree = arrays.tree;
@@ -226,7 +227,7 @@ std::string refusal(const std::function<void(MeshTree&)>& spoil) {
   return error_of([&] { check_bounds(tree, {arrays.vertices, arrays.triangles}, "m"); });
 }
 
-/// Node and lane of the first leaf, and of the first lane with a child.
+/// Node and lane of the first leaf, or of the first lane with a child.
 std::pair<std::size_t, int> find_lane(const MeshTree& tree, bool leaf, int skip = 0) {
   for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
     for (int lane = 0; lane < MeshNode::width; ++lane) {
@@ -239,17 +240,17 @@ std::pair<std::size_t, int> find_lane(const MeshTree& tree, bool leaf, int skip 
 
 std::string node(std::size_t n) { return "m: node " + std::to_string(n) + " "; }
 
-constexpr std::int32_t last_index = (1 << 29) - 1;  // that a link can hold
+constexpr std::int32_t last_index = (1 << 29) - 1;  // the largest index that a link can store
 
 TEST(CheckTree, RefusesDamagedLinks) {
   const auto link = [](std::int32_t child) {
     return [child](MeshTree& t) { t.nodes[0].set_link(0, child, MeshNode::inner); };
   };
-  EXPECT_EQ(refusal(link(0)), node(0) + "has a child that is not after it");  // a cycle
+  EXPECT_EQ(refusal(link(0)), node(0) + "has a child that is not after it");  // makes a cycle
   EXPECT_EQ(refusal(link(last_index)), node(0) + "has a child that is not after it");
   EXPECT_EQ(refusal([](MeshTree& t) { t.nodes.pop_back(); }).substr(0, 7), "m: node");
   EXPECT_EQ(refusal([](MeshTree& t) { t.nodes[0].link[1] = t.nodes[0].link[0]; }), node(1) + "has two parents");
-  // A child before its parent, further down.
+  // A child precedes its parent, further down.
   std::size_t deep = 0;
   const std::string message = refusal([&](MeshTree& t) {
     const auto [n, lane] = find_lane(t, false, 20);
@@ -300,7 +301,7 @@ TEST(CheckTree, RefusesDamagedLeaves) {
 }
 
 TEST(CheckTree, RefusesALeafHeldTwice) {
-  // Of coincident triangles every leaf has the same box: nothing but the count is wrong.
+  // For coincident triangles every leaf has the same box: only the count is wrong.
   const MeshArrays arrays = make_mesh_arrays(coincident(40), "m");
   MeshTree tree = arrays.tree;
   const auto [n, lane] = find_lane(tree, true, 1);

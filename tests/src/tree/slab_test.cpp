@@ -14,7 +14,7 @@
 namespace encage {
 namespace {
 
-/// Triangles within 1e-3 of a plane that is askew to all axes, 1 across.
+/// Triangles within 1e-3 of a plane that is askew to all axes; the patch is 1 wide.
 TriangleMesh askew_patch(shapes::Random& random, Eigen::Vector3d& normal) {
   normal = random.point(1).normalized();
   const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
@@ -31,7 +31,7 @@ TriangleMesh askew_patch(shapes::Random& random, Eigen::Vector3d& normal) {
 
 struct Fitted {
   Slab slab;
-  double low = std::numeric_limits<double>::infinity(), high = -low;  // heights of the corners, in units
+  double low = std::numeric_limits<double>::infinity(), high = -low;  // heights of the corners, in slab units
 };
 
 Fitted fit_all(const TriangleMesh& mesh) {
@@ -47,8 +47,9 @@ Fitted fit_all(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       long double height = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        const long double place = (static_cast<long double>(mesh.corner(t, k)[axis]) - grid.middle[axis]) / grid.step;
-        height += fitted.slab.normal[axis] * place;
+        const long double coordinate =
+            (static_cast<long double>(mesh.corner(t, k)[axis]) - grid.middle[axis]) / grid.step;
+        height += fitted.slab.normal[axis] * coordinate;
       }
       fitted.low = std::min(fitted.low, static_cast<double>(height / MeshNode::slab_unit));
       fitted.high = std::max(fitted.high, static_cast<double>(height / MeshNode::slab_unit));
@@ -79,7 +80,7 @@ TEST(Slabs, LieAlongASurfaceThatIsNearlyFlat) {
     const Fitted fitted = fit_all(askew_patch(random, normal));
     const Eigen::Vector3d found(fitted.slab.normal[0], fitted.slab.normal[1], fitted.slab.normal[2]);
     EXPECT_GT(std::abs(found.dot(normal)), 0.999 * found.norm());
-    // About 127 * 65536 / 256 units are the whole patch.
+    // The whole patch is about 127 * 65536 / 256 units wide.
     EXPECT_LT(fitted.slab.upper - fitted.slab.lower, 0.02 * 127 * 256);
   }
 }
@@ -90,7 +91,7 @@ TEST(Slabs, HoldPointsAndSegments) {
     const Fitted fitted = fit_all(mesh);
     EXPECT_LE(fitted.slab.lower, fitted.low);
     EXPECT_GE(fitted.slab.upper, fitted.high);
-    EXPECT_LE(fitted.slab.upper - fitted.slab.lower, 600);  // rounded normals leave some of a segment's length
+    EXPECT_LE(fitted.slab.upper - fitted.slab.lower, 600);  // because rounded normals retain some of a segment's length
   }
 }
 
