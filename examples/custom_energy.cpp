@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes a cage with an energy of one's own: of a model that stands on a floor, as little as possible shall reach below.
-#include <encage/asset.h>
+// Bakes a cage with an energy of its own: as little as possible of the cage shall reach below the floor on which the
+// model stands.
 #include <encage/bake.h>
 
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 namespace {
 
-/// The volume, plus the squared depth of every vertex below the floor.
+/// The volume, plus a penalty: the squared depth of every vertex below the floor.
 class FloorEnergy : public encage::CageEnergy {
  public:
   FloorEnergy(double floor, double weight) : floor_(floor), weight_(weight) {}
@@ -26,8 +26,8 @@ class FloorEnergy : public encage::CageEnergy {
   }
 
  private:
-  double floor_;   // z, in the frame of the cages
-  double weight_;  // length: value() is a volume
+  double floor_;   // its z coordinate, in the frame of the cages
+  double weight_;  // a length, as value() is a volume
   encage::EnergyPtr volume_ = encage::volume_energy();
 };
 
@@ -35,7 +35,7 @@ class FloorEnergy : public encage::CageEnergy {
 
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: custom_energy MODEL OUT.glb\n"), 2;
-  const encage::SourceMesh source = encage::sanitize(encage::triangulate(encage::read_polygon_mesh(argv[1])));
+  const encage::SourceMesh source = encage::sanitize(encage::read_mesh(argv[1]));
   const double floor = encage::bounds(source.obstacle).min().z();
 
   encage::BakeOptions options;
@@ -47,7 +47,7 @@ int main(int argc, char** argv) try {
     const double lowest = encage::bounds(cages.levels.front().mesh).min().z();
     std::printf("energy %s: reaches %.4f diagonals below the floor\n", own ? "floor" : "volume",
                 (floor - lowest) / source.diagonal);
-    if (own) encage::write_asset(argv[2], cages);
+    if (own) encage::write_certified_asset(argv[2], cages);
   }
 } catch (const encage::Error& error) {
   return std::fprintf(stderr, "custom_energy: %s\n", error.what()), 2;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked model as a soft body beside a rigid copy, DISTANCE away. The soft one is struck and rings with less and less
-// amplitude; a bound of how far its vertices are from the rigid pose is all that the world has to know: trees and
-// cages stay as they were baked.
+// A baked model as a soft body, and a rigid copy of it DISTANCE away. The soft body is struck and rings with less and
+// less amplitude. The world only has to know a bound of how far its vertices are from the rigid pose; trees and cages
+// stay as they were baked.
 #include <encage/encage.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace {
 
-/// Where the vertex x (body frame) of the ringing body is at `time`; no farther from x than the amplitude.
+/// The position of the vertex x (body frame) of the ringing body at `time`, no farther from x than the amplitude.
 Eigen::Vector3d ringing(const Eigen::Vector3d& x, double time, double amplitude) {
   const double wave = std::sin(4 * x.z() - 20 * time);
   return x + amplitude * wave * Eigen::Vector3d(0.8, 0.6, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks whether two copies of a baked model, some distance apart along x, are certainly separated.
+// Asks whether two copies of a baked model, DISTANCE apart along x, are proven separated.
 #include <encage/encage.h>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two copies of a baked model, one of which moves towards the other by DISTANCE: may they touch?
+// Two copies of a baked model, 100 apart. One moves towards the other by DISTANCE: may they touch?
 #include <encage/encage.h>
 
 #include <cstdio>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/micro/benches.h"
-#include "broadphase/motion/frame.h"
+#include "broadphase/motion/pair_motion.h"
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/shape/shape.h"
 #include "oracles/meshes.h"
@@ -88,7 +88,7 @@ struct OneNode {
 }  // namespace
 
 void add_gates(const Workload& w) {
-  const Surface& fine = w.shape->fine.empty() ? w.shape->cages.front() : w.shape->fine;
+  const Surface& fine = w.shape->simple().fine.empty() ? w.shape->simple().cages.front() : w.shape->simple().fine;
   add("kernel/box_gate/make", w.cases, [&](const Case& c) { return gate_of(w, fine, c).a.works; });
   static const OneNode node;
   add_traversals("kernel/box_gate/one_node/rest", node.arrays.tree, node.resting);

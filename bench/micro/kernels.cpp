@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/micro/benches.h"
-#include "broadphase/motion/frame.h"
+#include "broadphase/motion/pair_motion.h"
 #include "broadphase/separation/containment.h"
 #include "broadphase/separation/leaf_gate.h"
 #include "broadphase/shape/shape.h"
@@ -84,8 +84,9 @@ void add_kernels(const Workload& w) {
   add("kernel/vertex_face_time", triangles,
       [](const TrianglePairCase& t) { return vertex_face_time(vertex_and_face(t)); });
   add("kernel/edge_edge_time", triangles, [](const TrianglePairCase& t) { return edge_edge_time(two_edges(t)); });
-  for (std::size_t k = 0; k < w.shape->cages.size(); ++k) add_points("cage_" + std::to_string(k), w.shape->cages[k], w);
-  add_points("fine", w.shape->fine, w);
+  for (std::size_t k = 0; k < w.shape->simple().cages.size(); ++k)
+    add_points("cage_" + std::to_string(k), w.shape->simple().cages[k], w);
+  add_points("fine", w.shape->simple().fine, w);
 }
 
 }  // namespace encage::micro

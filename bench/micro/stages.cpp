@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/micro/benches.h"
-#include "broadphase/motion/frame.h"
+#include "broadphase/motion/pair_motion.h"
 #include "broadphase/motion/turned_box.h"
 #include "broadphase/shape/shape.h"
 
@@ -63,7 +63,7 @@ void add_tests(const std::string& how, const Shape& shape, const std::vector<Cas
 
 int candidates(const Shape& shape, const Case& c) {
   int count = 0;
-  for_each_candidate(shape, c.a, shape, c.b, 0, [&](TrianglePair) {
+  for_each_triangle_pair(shape, c.a, shape, c.b, 0, [&](TrianglePair) {
     ++count;
     return true;
   });

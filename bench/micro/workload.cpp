@@ -3,7 +3,7 @@
 
 #include "bench/common/process.h"
 #include "bench/common/recorded_poses.h"
-#include "broadphase/motion/frame.h"
+#include "broadphase/motion/pair_motion.h"
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/shape.h"
@@ -128,7 +128,7 @@ std::vector<TrianglePairCase> near_triangles(const Workload& workload) {
     int left = most_leaves;
   };
   std::vector<TrianglePairCase> found;
-  const Surface& fine = workload.shape->fine;
+  const Surface& fine = workload.shape->simple().fine;
   for (const Case& c : workload.cases) {
     const PairMotion motion = pair_motion(*workload.shape, c.a, *workload.shape, c.b);
     const double distance = required_distance(*workload.shape, c.a, *workload.shape, c.b, 0);

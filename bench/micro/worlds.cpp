@@ -59,7 +59,7 @@ void box_tree(benchmark::State& state) {
 
 /// A world of a crowd of one shape that is asked about world boxes alone.
 struct Crowd {
-  Crowd(std::int64_t count, const ShapePtr& shape) : motions(crowd(count, shape->radius)) {
+  Crowd(std::int64_t count, const ShapePtr& shape) : motions(crowd(count, shape->simple().frame.radius)) {
     options.pair.cages = CageUse::never;
     options.pair.fine = false;
     const ShapeId id = world.add_shape(shape);

@@ -49,12 +49,12 @@ Sample Rod::sample(const Eigen::Vector3d& p) const {
 namespace {
 
 // The rod of a tube with the smallest value at p.
-struct Nearest {
+struct NearestRod {
   std::int32_t rod;
   double value;
 };
 
-Nearest nearest_rod(const std::vector<Rod>& rods, const std::vector<std::int32_t>& among, const Eigen::Vector3d& p) {
+NearestRod nearest_rod(const std::vector<Rod>& rods, const std::vector<std::int32_t>& among, const Eigen::Vector3d& p) {
   // Start with the one whose middle is nearest; it rules out most others by their reach.
   std::int32_t first = among.front();
   double least = std::numeric_limits<double>::infinity();
@@ -64,7 +64,7 @@ Nearest nearest_rod(const std::vector<Rod>& rods, const std::vector<std::int32_t
     least = square;
     first = rod;
   }
-  Nearest nearest{first, rods[first].value(p)};
+  NearestRod nearest{first, rods[first].value(p)};
   for (const std::int32_t rod : among) {
     const double within = nearest.value + rods[rod].reach();
     if (within < 0 || (p - rods[rod].middle()).squaredNorm() > within * within) continue;

@@ -11,7 +11,7 @@
 namespace encage::replay {
 namespace {
 
-struct Counts {
+struct PairCounts {
   std::int64_t left_out = 0, asked = 0, survivors = 0, contacts = 0;
 };
 
@@ -27,10 +27,10 @@ class PairDetector {
     options_.cages = CageUse::never;
   }
 
-  Counts run(const bench::RecordedStep& step, const std::vector<BodyPair>& leave_out, bool moving) {
+  PairCounts run(const bench::RecordedStep& step, const std::vector<BodyPair>& leave_out, bool moving) {
     motions_.clear();
     for (const bench::RecordedBody& body : step.bodies) motions_.push_back(motion_of(body, moving));
-    Counts counts;
+    PairCounts counts;
     for (const auto& [i, j] : boxes_.overlaps(shape_, motions_)) {
       const BodyPair pair = make_pair(step.bodies[i].body, step.bodies[j].body);
       if (std::binary_search(leave_out.begin(), leave_out.end(), pair)) {
@@ -58,7 +58,7 @@ Continuous continuous(const Shape& shape, const bench::Recording& recording,
                       const std::vector<std::vector<BodyPair>>& touching, int runs,
                       const std::function<void(double fraction)>& progress) {
   const std::size_t steps = recording.steps.size();
-  std::vector<Counts> counts(steps);
+  std::vector<PairCounts> counts(steps);
   bench::StepTimes moving(steps), resting(steps);
   PairDetector detector(shape);
   std::size_t done = 0;
@@ -74,7 +74,7 @@ Continuous continuous(const Shape& shape, const bench::Recording& recording,
   });
   Continuous result;
   result.steps = static_cast<std::int64_t>(steps);
-  for (const Counts& c : counts) {
+  for (const PairCounts& c : counts) {
     result.left_out += c.left_out;
     result.asked += c.asked;
     result.survivors += c.survivors;

@@ -11,7 +11,7 @@ namespace encage::tank {
 
 ShapeDetector::ShapeDetector(ShapePtr shape, const Eigen::Vector3d& centre)
     : shape_(std::move(shape)), centre_(centre) {
-  if (shape_->fine.empty()) throw Error("simulation: the asset has no fine mesh");
+  if (shape_->simple().fine.empty()) throw Error("simulation: the asset has no fine mesh");
 }
 
 Eigen::AlignedBox3d ShapeDetector::box(const Eigen::Isometry3d& pose) const {

@@ -119,7 +119,7 @@ void define(bench::CommandOptions& options, TankArguments& a) {
 CageHierarchy load_hierarchy(const TankArguments& a, bench::Watch& watch) {
   if (!a.asset.empty()) return read_asset(a.asset, Verify::all);
   watch.report(0, "making the body");
-  const TriangleMesh mesh = a.mesh.empty() ? octopus::make_octopus(a.faces) : tool::read_mesh(a.mesh);
+  const TriangleMesh mesh = a.mesh.empty() ? octopus::make_octopus(a.faces) : read_mesh(a.mesh);
   const std::filesystem::path name = a.mesh.empty() ? "octopus" : a.mesh;
   return tool::bake_mesh(name, mesh, a.bake, watch.context()).hierarchy;
 }

@@ -211,11 +211,13 @@ const Model& witness(const Contenders& contenders, std::size_t file) {
 
 std::string comparison_markdown(const Contenders& contenders, const Faces& faces, const std::string& command) {
   const std::string levels = levels_text(faces);
-  std::string out = "# The zoo\n\nMade by `" + command + "`.\n\n" + method_summary(contenders, faces);
+  // Lines of text wrap at 120 columns, as in the other documents.
+  std::string out =
+      "# The methods side by side\n\nMade by\n\n```\n" + command + "\n```\n\n" + method_summary(contenders, faces);
   out +=
       "\nLevels of " + levels +
-      " faces, each around the one before. *Excess*: volume ratio to the input, less 1, of clean meshes that have the "
-      "level. *Clean*: a closed manifold without self-intersection. CPU seconds of the whole bake, reading included.";
+      " faces, each around the one before. *Excess*: volume ratio to the input, less 1, of clean\nmeshes that have the "
+      "level. *Clean*: a closed manifold without self-intersection. CPU seconds of the whole bake,\nreading included.";
   const long long refused = static_cast<long long>(summarize(contenders.front().models, faces).no_meshes);
   if (refused > 0) out += format(" %lld files hold no usable mesh.", refused);
   out += "\n";
@@ -226,16 +228,16 @@ std::string comparison_markdown(const Contenders& contenders, const Faces& faces
     out +=
         "\nOn clean meshes, at levels smaller than the mesh. Baselines enclose the input alone, ours the level before "
         "as "
-        "well, so they have the easier task. *Meshes*: tried; *a cage*: the baseline made one; *certified*: it holds "
+        "well,\nso they have the easier task. *Meshes*: tried; *a cage*: the baseline made one; *certified*: it holds "
         "as "
-        "ours do. The last two columns: medians over the meshes on which the baseline's cage is certified.\n";
+        "ours do. The\nlast two columns: medians over the meshes on which the baseline's cage is certified.\n";
   }
   out += "\n## Mesh by mesh\n\nPer method: excess at " + levels +
          " faces (– without a level, or without a solid).\n\n" + method_table(contenders, faces);
   if (baselines) {
     out +=
         "\n## Plain methods, mesh by mesh\n\nExcess at " + levels +
-        " faces. (a+b): not certified; a triangles of the cage touch the input, b intersect another one of the cage. "
+        " faces. (a+b): not certified; a triangles of the cage touch the input, b intersect another one\nof the cage. "
         "*None*: no such cage was found.\n\n" +
         baseline_table(contenders, faces);
   }

@@ -58,7 +58,7 @@ struct Outside {
   }
 };
 
-struct Placement : Outside {
+struct HullPlacement : Outside {
   template <class Profile>
   boost::optional<Kernel::Point_3> operator()(const Profile& profile) const {
     const auto found = best(profile);
@@ -105,7 +105,7 @@ TriangleMesh lifted(const TriangleMesh& mesh, double lift) {
 TriangleMesh collapse_outward(const TriangleMesh& mesh, std::int64_t faces, double lift) {
   SurfaceMesh surface = makers::to_cgal<Kernel::Point_3>(lifted(mesh, lift));
   sms::edge_collapse(surface, StopAtFaces{static_cast<std::size_t>(faces)},
-                     CGAL::parameters::get_cost(Cost{{lift}}).get_placement(Placement{{lift}}));
+                     CGAL::parameters::get_cost(Cost{{lift}}).get_placement(HullPlacement{{lift}}));
   return makers::from_cgal(surface);
 }
 

@@ -117,7 +117,7 @@ std::string to_markdown(const std::vector<Model>& models, const Summary& summary
                         const std::vector<std::int64_t>& faces, const std::string& command) {
   std::string out = "# The zoo\n\nMade by `" + command + "`.\n\n```\n" + to_text(summary) + "```\n\n";
   out +=
-      "*Clean*: a closed manifold without self-intersection. Per level: faces, volume ratio to the input (where it "
+      "*Clean*: a closed manifold without self-intersection. Per level: faces, volume ratio to the input (where it\n"
       "is a solid), the start that won. CPU seconds include reading.\n\n";
   out += "| file | faces | solid | clean | CPU s |";
   std::string rule = "|---|---:|---|---|---:|";

@@ -4,6 +4,7 @@
 #include "bench/common/clock.h"
 #include "bench/zoo/clean.h"
 #include "bench/zoo/gallery.h"
+#include "cagegen/cli/usage.h"
 #include "cagegen/tool/bake_mesh.h"
 
 #include <encage/error.h>
@@ -34,7 +35,7 @@ Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path&
   const bench::Stopwatch watch;
   TriangleMesh mesh;
   try {
-    mesh = tool::read_mesh(file);
+    mesh = read_mesh(file);
   } catch (const Error& error) {
     return {{"no_mesh", error.what()}};
   }
@@ -53,7 +54,7 @@ Json bake_here(const fs::path& file, const BakeOptions& options, const fs::path&
 
 /// In the child.
 Json run_baseline_here(const PlainMethod& baseline, const Model& known, const std::vector<std::int64_t>& faces) {
-  const SourceMesh source = sanitize(tool::read_mesh(known.file));
+  const SourceMesh source = sanitize(read_mesh(known.file));
   const auto input_faces = known.figures.at("source").at("faces").get<std::int64_t>();
   Json levels = Json::array();
   double seconds = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/contact/feature_pair.h"
 
+#include "src/limits.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -15,21 +17,21 @@ using Lanes = Eigen::Array4d;
 using Corners = std::array<Lanes, 3>;  // x, y, z of four points
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int cells = 1 << 22;       // of the grid of times
-constexpr int most_steps = 1 << 10;  // several times what hard cases take; then it is contact
-// Bounds the rounding of a projection, in parts of its projected magnitudes at both ends (differences 1,
-// products and sums 3, interpolation 5 units of 2^-53), and of |axis| (distance + 4 arc) (root and products
-// 8, sums 6). Twice as much for axes that turn: their corners are interpolated first.
+constexpr int cells = 1 << 22;       // of the grid of times in [0, 1]
+constexpr int most_steps = 1 << 10;  // several times the number for hard cases; beyond it a contact is reported
+// Bounds the rounding of a projection relative to its projected magnitudes at both ends (differences take 1 unit of
+// 2^-53, products and sums 3, interpolation 5), and relative to |axis| (distance + 4 arc) (root and products 8 units,
+// sums 6). Axes that turn count twice, because their corners are interpolated first.
 constexpr double rounding_unit = 0x1p-49;
 
-/// The difference of the features: a triangle (its last corner twice) or a
-/// parallelogram, whose corners move linearly. The features touch where the origin is on it.
-struct Sweep {
+/// The difference of the features: a triangle (with its last corner twice) or a parallelogram, whose corners move
+/// linearly. The features touch when it contains the origin.
+struct DifferenceSweep {
   Corners start, end;
   Corners size;  // sums of the magnitudes at both ends
 };
 
-Corners at(const Sweep& sweep, double time) {
+Corners at(const DifferenceSweep& sweep, double time) {
   Corners result;
   for (int k = 0; k < 3; ++k) result[k] = sweep.start[k] + time * (sweep.end[k] - sweep.start[k]);
   return result;
@@ -41,7 +43,7 @@ Lanes project(const Corners& corners, const Vector& axis) {
   return corners[0] * axis[0] + corners[1] * axis[1] + corners[2] * axis[2];
 }
 
-// In a fixed order, whatever the instruction set.
+// The order is fixed, so that every instruction set gives the same sum.
 double sum(const Lanes& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
 int least_lane(const Lanes& x) {
@@ -49,8 +51,8 @@ int least_lane(const Lanes& x) {
   return x[j] < x[i] ? j : i;
 }
 
-/// From the origin to the point of the polygon closest to it, up to rounding,
-/// and orthogonal to the face or edge which that point is on as well as can be.
+/// Returns the direction from the origin to the closest point of the polygon, up to rounding. It is as orthogonal as
+/// possible to the face or edge that contains that point.
 Vector closest_direction(const Corners& p) {
   Corners e;
   for (int k = 0; k < 3; ++k) e[k] = Lanes(p[k][1], p[k][2], p[k][3], p[k][0]) - p[k];
@@ -71,13 +73,13 @@ Vector closest_direction(const Corners& p) {
   return corner(e, i).cross(corner(moment, i));
 }
 
-/// Requirement and sweep of one question.
-class Search {
+/// Searches for a proof for one sweep and one requirement.
+class FeatureSearch {
  public:
-  Search(const Sweep& sweep, const Requirement& required, double rounding)
+  FeatureSearch(const DifferenceSweep& sweep, const Requirement& required, double rounding)
       : sweep_(sweep), required_(required), rounding_(rounding) {}
 
-  /// Axes from the middle of all corners, each moved towards the corner that spoils it.
+  /// Tries axes from the middle of all corners, each moved towards the corner that violates it most.
   bool quickly_free() const {
     const double least = required_.distance + required_.arc + rounding_;
     Vector axis;
@@ -89,7 +91,7 @@ class Search {
       const int i = least_lane(s), j = least_lane(e);
       const double low = std::min(s[i], e[j]);
       const double bound = least * least * squared;
-      if (low > 0 && low * low > bound && bound > 1e-280) return true;
+      if (low > 0 && low * low > bound && bound > smallest_square) return true;
       const Vector worst = s[i] < e[j] ? corner(sweep_.start, i) : corner(sweep_.end, j);
       const Vector step = worst - axis;
       axis += std::min(1.0, (squared - low) / step.squaredNorm()) * step;
@@ -97,16 +99,16 @@ class Search {
     return false;
   }
 
-  /// The last cell border up to which the axis proves freedom from `now` on, `now` if none.
+  /// Returns the last cell border up to which the axis proves separation from `now` on; `now` if there is none.
   int free_until(const Vector& axis, int now) const {
     const double squared = axis.squaredNorm();
-    if (!(squared > 1e-280)) return now;
+    if (!(squared > smallest_square)) return now;
     const double length = std::sqrt(squared);
     const Line required = line(time(now));
     const Lanes slack = rounding(length, axis.cwiseAbs());
     const Lanes s = project(sweep_.start, axis), d = project(sweep_.end, axis) - s - length * required.slope;
     const Lanes least = length * required.value + slack;
-    if (!(least.minCoeff() > 1e-290 && sum(least) < infinity)) return now;
+    if (!(least.minCoeff() > smallest_product && sum(least) < infinity)) return now;
     const auto free_at = [&](int cell) { return (s + time(cell) * d - least).minCoeff() > 0; };
     if (!free_at(now)) return now;
     if (free_at(cells)) return cells;
@@ -142,20 +144,20 @@ class Search {
  private:
   static double time(int cell) { return cell * (1.0 / cells); }
 
-  /// True if an axis that turns during the span, quadratic in time, separates all along.
+  /// True if an axis that turns during the span, quadratically in time, separates throughout.
   bool bent_free(int now, int end) const {
     const Corners p = at(sweep_, time(now)), q = at(sweep_, time(end));
     const Vector first = closest_direction(p), last = closest_direction(q);
     const Vector middle = 2 * closest_direction(at(sweep_, (time(now) + time(end)) / 2)) - (first + last) / 2;
     const double squared = std::max({first.squaredNorm(), middle.squaredNorm(), last.squaredNorm()});
-    if (!(squared > 1e-280)) return false;
+    if (!(squared > smallest_square)) return false;
     const double length = std::sqrt(squared);
     const Line required = line((time(now) + time(end)) / 2);
     const double r0 = length * (required.value + time(now) * required.slope);
     const double r3 = length * (required.value + time(end) * required.slope);
     const Lanes slack = 2 * rounding(length, first.cwiseAbs().cwiseMax(middle.cwiseAbs()).cwiseMax(last.cwiseAbs()));
-    if (!(slack.minCoeff() > 1e-290 && sum(slack) < infinity)) return false;
-    // Bernstein coefficients of the projections less the requirement.
+    if (!(slack.minCoeff() > smallest_product && sum(slack) < infinity)) return false;
+    // Bernstein coefficients of the projections minus the requirement.
     const Lanes b0 = project(p, first) - r0, b3 = project(q, last) - r3;
     const Lanes b1 = (project(q, first) + 2 * project(p, middle) - (2 * r0 + r3)) / 3;
     const Lanes b2 = (project(p, last) + 2 * project(q, middle) - (r0 + 2 * r3)) / 3;
@@ -165,23 +167,24 @@ class Search {
   struct Line {
     double value, slope;
   };
-  /// Not below the requirement, and equal to it at `touching`: the arc is concave in time.
+  /// Returns a line that is nowhere below the requirement and equals it at `touching`; it exists because the arc is
+  /// concave in time.
   Line line(double touching) const {
     const double arc = 4 * required_.arc;
     return {required_.distance + arc * touching * touching, arc * (1 - 2 * touching)};
   }
 
-  /// Bounds the rounding of projections and of what they are compared with.
+  /// Bounds the rounding of the projections and of the numbers that they are compared with.
   Lanes rounding(double length, const Vector& axis) const {
     return rounding_unit * (project(sweep_.size, axis) + length * (required_.distance + 4 * required_.arc));
   }
 
-  /// The furthest cell border up to which some axis proves freedom from `now` on.
+  /// Returns the farthest cell border up to which some axis proves separation from `now` on.
   int advance(int now) const {
     const Corners p = at(sweep_, time(now));
     int next = free_until(closest_direction(p), now);
     if (next >= std::min(cells, now + 64)) return next;
-    // The polygon and what its edges sweep, in wider and wider spans as long as that helps.
+    // Tries the polygon and the quads that its edges sweep, in wider and wider spans as long as that helps.
     for (int reach = 1, last = now; reach <= cells - now; reach *= 16, last = next) {
       const Corners q = at(sweep_, time(now + reach));
       if (bent_free(now, now + reach)) next = std::max(next, now + reach);
@@ -198,25 +201,25 @@ class Search {
       if (next == last) break;
     }
     if (next > now) return next;
-    // Their zeros make projections exact.
+    // Coordinate axes contain zeros, which make projections exact.
     for (int k = 0; k < 3; ++k) {
       next = std::max({next, free_until(Vector::Unit(k), now), free_until(-Vector::Unit(k), now)});
     }
     return next;
   }
 
-  const Sweep& sweep_;
+  const DifferenceSweep& sweep_;
   const Requirement& required_;
   double rounding_ = 0;
 };
 
-std::optional<double> first(Sweep& sweep, const Requirement& required) {
+std::optional<double> first(DifferenceSweep& sweep, const Requirement& required) {
   for (int k = 0; k < 3; ++k) sweep.size[k] = sweep.start[k].abs() + sweep.end[k].abs();
   const Lanes size = sweep.size[0] + sweep.size[1] + sweep.size[2];
-  // Neither NaN nor what could overflow to it: taking least values might lose it.
+  // Neither NaN nor a value that could overflow to it may get further: a minimum might lose it.
   if (!(sum(size) < 1e100)) return 0.0;
   if (!(required.distance >= 0 && required.arc >= 0)) return 0.0;
-  const Search search(sweep, required, rounding_unit * size.maxCoeff());
+  const FeatureSearch search(sweep, required, rounding_unit * size.maxCoeff());
   if (search.quickly_free()) return std::nullopt;
   return search.run();
 }
@@ -224,7 +227,7 @@ std::optional<double> first(Sweep& sweep, const Requirement& required) {
 }  // namespace
 
 std::optional<double> first_vertex_face(const MovingPoints& points, const Requirement& required) noexcept {
-  Sweep sweep;
+  DifferenceSweep sweep;
   const auto& p = points.start;
   const auto& q = points.end;
   for (int k = 0; k < 3; ++k) {
@@ -235,7 +238,7 @@ std::optional<double> first_vertex_face(const MovingPoints& points, const Requir
 }
 
 std::optional<double> first_edge_edge(const MovingPoints& points, const Requirement& required) noexcept {
-  Sweep sweep;
+  DifferenceSweep sweep;
   const auto& p = points.start;
   const auto& q = points.end;
   for (int k = 0; k < 3; ++k) {

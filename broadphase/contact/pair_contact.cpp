@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/contact/feature_pair.h"
-#include "broadphase/motion/frame.h"
 #include "broadphase/separation/plane_check.h"
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/compound.h"
+#include "src/limits.h"
+#include "src/mesh/segments.h"
 
 #include <encage/contact.h>
 
@@ -18,14 +19,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-AffineMap affine(const Eigen::Affine3d& map) { return {map.linear(), map.translation()}; }
-Eigen::Affine3d affine(const AffineMap& map) {
-  Eigen::Affine3d result = Eigen::Affine3d::Identity();
-  result.linear() = map.linear;
-  result.translation() = map.offset;
-  return result;
-}
-
 Vector at(const MovingPoints& points, std::size_t i, double t) { return (1 - t) * points.start[i] + t * points.end[i]; }
 
 auto rank(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
@@ -39,7 +32,7 @@ Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner)
     w[k] = (b - a).cross(p - a).dot(n);
   }
   if (w.minCoeff() >= 0 && w.sum() > 0) return w / w.sum();
-  // Outside, or no triangle: the closest point of the edges.
+  // p is beside the triangle, or the triangle is degenerate: the closest point lies on an edge.
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const int k1 = (k + 1) % 3;
@@ -56,27 +49,15 @@ Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner)
   return w;
 }
 
-/// Parameters along p0 p1 and q0 q1 of the closest points of the two edges, up to rounding.
-std::pair<double, double> parameters_on_edges(const Vector& p0, const Vector& p1, const Vector& q0, const Vector& q1) {
-  const Vector u = p1 - p0, v = q1 - q0, w = p0 - q0;
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
-  const auto ratio = [](double numerator, double denominator) {
-    return denominator > 0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0.0;
-  };
-  double s = ratio(uv * vw - vv * uw, uu * vv - uv * uv);
-  const double t = ratio(uv * s + vw, vv);
-  s = ratio(uv * t - uw, uu);
-  return {s, t};
-}
-
-/// Where and in which direction two features meet, in the common frame.
+/// Position and direction of the contact of two features, in the common frame.
 struct Meeting {
   Vector on_a, on_b;  ///< at the time of contact
   Vector path;        ///< of a's point relative to b's during the step
   Vector normal;      ///< of the features, any length and sign
 };
 
-/// The vertex points[0] against the face of the others; `vertex_is_a`: it belongs to a.
+/// Meeting of the vertex points[0] and the face of the other three points. `vertex_is_a` is true if the vertex belongs
+/// to a.
 Meeting meet_vertex_face(const MovingPoints& points, double t, bool vertex_is_a) {
   const Vector p = at(points, 0, t), a = at(points, 1, t), b = at(points, 2, t), c = at(points, 3, t);
   const Vector w = weights_in_triangle(p, {a, b, c});
@@ -87,10 +68,10 @@ Meeting meet_vertex_face(const MovingPoints& points, double t, bool vertex_is_a)
   return vertex_is_a ? Meeting{p, on_face, path, normal} : Meeting{on_face, p, -path, normal};
 }
 
-/// The edge points[0] points[1] of a against points[2] points[3] of b.
+/// Meeting of the edge points[0] points[1] of a and the edge points[2] points[3] of b.
 Meeting meet_edges(const MovingPoints& points, double t) {
   const Vector p0 = at(points, 0, t), p1 = at(points, 1, t), q0 = at(points, 2, t), q1 = at(points, 3, t);
-  const auto [s, r] = parameters_on_edges(p0, p1, q0, q1);
+  const auto [s, r] = closest_parameters(p1 - p0, q1 - q0, p0 - q0);
   const auto moved = [&](std::size_t i) -> Vector { return points.end[i] - points.start[i]; };
   return {p0 + s * (p1 - p0), q0 + r * (q1 - q0),
           (1 - s) * moved(0) + s * moved(1) - ((1 - r) * moved(2) + r * moved(3)), (p1 - p0).cross(q1 - q0)};
@@ -99,15 +80,15 @@ Meeting meet_edges(const MovingPoints& points, double t) {
 /// Unit normal from b towards a.
 Vector orient(const Meeting& meeting, double margin) {
   const Vector apart = meeting.on_a - meeting.on_b;
-  // Across a margin the closest points show the direction; in contact their difference is rounding.
+  // Across a margin the closest points define the direction; in contact their difference is mere rounding.
   if (margin > 0 && apart.norm() > 0.5 * margin) return apart.normalized();
   Vector n = meeting.normal;
-  if (!(n.squaredNorm() > 1e-280)) n = meeting.path;
-  if (!(n.squaredNorm() > 1e-280)) n = apart;
-  if (!(n.squaredNorm() > 1e-280)) return Vector::UnitZ();
+  if (!(n.squaredNorm() > smallest_square)) n = meeting.path;
+  if (!(n.squaredNorm() > smallest_square)) n = apart;
+  if (!(n.squaredNorm() > smallest_square)) return Vector::UnitZ();
   n.normalize();
-  // a comes from the side that it moves away from. (The side on which it still is says less: features may pass beside
-  // each other.)
+  // a comes from the side that it moves away from. Its present side is a weaker hint, since features may pass beside
+  // each other.
   const double along = n.dot(meeting.path);
   return along > 0 || (along == 0 && n.dot(apart) < 0) ? Vector(-n) : n;
 }
@@ -116,8 +97,13 @@ Vector orient(const Meeting& meeting, double margin) {
 
 bool PairContact::Side::turn_to(std::int32_t triangle) {
   if (part != nullptr && triangle >= first_triangle && triangle - first_triangle < triangle_count) return false;
-  const MovingPart moving = whole.parts.empty() ? MovingPart{&whole, whole_motion}
-                                                : moving_part(whole, part_of_triangle(whole, triangle), whole_motion);
+  MovingPart moving;
+  if (body.is_compound()) {
+    const CompoundShape& compound = body.compound();
+    moving = moving_part(compound, part_of_triangle(compound, triangle), body_motion);
+  } else {
+    moving = {&body.simple(), body_motion};
+  }
   lease = FineLease(*moving.shape);
   part = moving.shape;
   motion = moving.motion;
@@ -133,20 +119,19 @@ PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b,
                          const ContactOptions& options)
     : a_(a, motion_a), b_(b, motion_b), options_(options) {
   assert(is_usable(motion_a) && is_usable(motion_b));
-  if (a.parts.empty()) a_.turn_to(0);
-  if (b.parts.empty()) b_.turn_to(0);
+  if (!a.is_compound()) a_.turn_to(0);
+  if (!b.is_compound()) b_.turn_to(0);
 }
 
 void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
   const bool turned_a = a_.turn_to(triangle_a), turned_b = b_.turn_to(triangle_b);
   if (turned_a || turned_b || !placed_) {
     placed_ = true;
-    const PairMotion pair = pair_motion(*a_.part, a_.motion, *b_.part, b_.motion);
-    for (std::size_t end = 0; end < 2; ++end) {
-      a_.ends[end] = affine(pair.a[end]);
-      b_.ends[end] = affine(pair.b[end]);
-    }
-    required_ = required_distance(*a_.part, a_.motion, *b_.part, b_.motion, options_.margin + a_.slack + b_.slack);
+    const LocalFrame &local_a = a_.part->frame, &local_b = b_.part->frame;
+    const PairMotion pair = pair_motion(local_a, a_.motion, local_b, b_.motion);
+    a_.ends = pair.a;
+    b_.ends = pair.b;
+    required_ = required_distance(local_a, a_.motion, local_b, b_.motion, options_.margin + a_.slack + b_.slack);
   }
   const auto moving = [](const Side& side, std::int32_t triangle) {
     const auto& t = side.part->fine.mesh.triangles[triangle];
@@ -154,8 +139,7 @@ void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
         {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])}, triangle};
     std::array<std::int32_t, 3> numbers = leaf.vertices;
     for (std::int32_t& v : numbers) v += side.first_vertex;
-    return std::pair(numbers, moving_triangle({side.part->fine, side.motion.scale},
-                                              {affine(side.ends[0]), affine(side.ends[1])}, leaf));
+    return std::pair(numbers, moving_triangle({side.part->fine, side.motion.scale}, side.ends, leaf));
   };
   triangle_a -= a_.first_triangle;
   triangle_b -= b_.first_triangle;
@@ -208,9 +192,11 @@ void PairContact::consider(ContactKind kind, const MovingPoints& points,
   const Meeting meeting = kind == ContactKind::edge_edge
                               ? meet_edges(points, *time)
                               : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
-  // The common frame: a's start orientation, its origin moving with a's.
+  // The common frame has a's orientation at the start, and its origin moves with a's.
   const Motion& motion = a_.motion;
-  const auto origin = [&](const Eigen::Isometry3d& pose) { return Placement(pose, motion.scale).origin(*a_.part); };
+  const auto origin = [&](const Eigen::Isometry3d& pose) {
+    return Placement(pose, motion.scale).origin(a_.part->frame);
+  };
   contact.point = motion.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
                   ((1 - *time) * origin(motion.start) + *time * origin(motion.end));
   contact.normal = (motion.start.linear() * orient(meeting, options_.margin)).normalized();
@@ -219,13 +205,15 @@ void PairContact::consider(ContactKind kind, const MovingPoints& points,
 
 namespace {
 
-/// Hands the pairs of triangles near each other of two parts to the narrow phase.
+/// Passes the pairs of nearby triangles of two parts to the narrow phase.
 void contact_of_parts(const MovingPart& a, const MovingPart& b, const ContactOptions& options, PairContact& narrow) {
   const FineLease lease_a(*a.shape), lease_b(*b.shape);
-  const PairMotion motion = pair_motion(*a.shape, a.motion, *b.shape, b.motion);
-  // What the narrow phase calls a contact must pass the culling, whatever finds the pair: rounding included twice.
+  const PairMotion motion = pair_motion(a.shape->frame, a.motion, b.shape->frame, b.motion);
+  // Every contact of the narrow phase must pass the culling, whichever way the pair was found, so rounding is included
+  // twice.
   const double margin = options.margin + a.slack + b.slack;
-  const double required = 2 * (required_distance(*a.shape, a.motion, *b.shape, b.motion, margin) + options.arc);
+  const double required =
+      2 * (required_distance(a.shape->frame, a.motion, b.shape->frame, b.motion, margin) + options.arc);
   const ScaledSurface fine_a(a.shape->fine, a.motion.scale), fine_b(b.shape->fine, b.motion.scale);
   struct Numbered {
     PairContact& narrow;
@@ -258,7 +246,7 @@ void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const Conta
     contact.kind = ContactKind::vertex_plane;
     contact.vertices = {a.first_vertex + vertex, -1, -1, -1};
     if (first && rank(*first) <= rank(contact)) return;
-    const Vector x = a.motion.scale * (a.shape->origin + a.shape->fine.vertex(vertex));
+    const Vector x = a.motion.scale * (a.shape->frame.origin + a.shape->fine.vertex(vertex));
     contact.point = (1 - time) * (a.motion.start * x) + time * (a.motion.end * x);
     contact.normal = plane.normal;
     first = contact;
@@ -270,8 +258,8 @@ void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const Conta
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                                      const ContactOptions& options) {
   PairContact narrow(a, motion_a, b, motion_b, options);
-  // Parts that boxes tell apart by this much are beyond what the narrow phase calls a contact: required_distance() is
-  // below it, whatever the poses.
+  // Parts that boxes separate by this distance cannot be in contact for the narrow phase: required_distance() is below
+  // it for all poses.
   const double size = size_in_world(a, motion_a) + size_in_world(b, motion_b);
   const double margin = 2 * ((1 + 1e-6) * options.margin + options.arc) + 1e-6 * size;
   for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {

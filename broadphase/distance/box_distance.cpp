@@ -2,9 +2,10 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/distance/box_distance.cpp"
-#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+#include <hwy/foreach_target.h>  // compiles the following once for every instruction set
 
 #include "broadphase/distance/box_distance.h"
+#include "broadphase/separation/tree_boxes-inl.h"
 
 #include <hwy/highway.h>
 // clang-format on
@@ -15,68 +16,31 @@
 HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
+namespace {
 
-using Lanes = hn::CappedTag<double, MeshNode::width>;
-using Ints = hn::Rebind<std::int32_t, Lanes>;
+using Lanes = NodeLanes<double>;
 using Vec = hn::Vec<Lanes>;
-
-/// A box of a tree and the slab in it, in places of its grid.
-struct Box {
-  std::array<double, 3> centre, half;
-  std::array<double, 3> normal = {};
-  double height = 0, thickness = 0;  ///< of the slab's middle, half of it
-
-  Box(const MeshNode& node, std::uint32_t lane) {
-    for (int i = 0; i < 3; ++i) {
-      set_extent(i, node.lower[i][lane], node.upper[i][lane]);
-      normal[i] = node.normal[i][lane];
-    }
-    const double low = node.slab_lower[lane], high = node.slab_upper[lane];
-    height = 0.5 * MeshNode::slab_unit * (low + high);
-    thickness = 0.5 * MeshNode::slab_unit * (high - low);
-  }
-
-  /// Around all boxes of a node; without a slab.
-  explicit Box(const MeshNode& node) {
-    for (int i = 0; i < 3; ++i) {
-      std::int16_t lower = node.lower[i][0], upper = node.upper[i][0];
-      for (int lane = 1; lane < MeshNode::width; ++lane) {  // what is unused is empty
-        lower = std::min(lower, node.lower[i][lane]);
-        upper = std::max(upper, node.upper[i][lane]);
-      }
-      set_extent(i, lower, upper);
-    }
-  }
-
- private:
-  void set_extent(int i, double lower, double upper) {
-    centre[i] = 0.5 * (lower + upper);
-    half[i] = 0.5 * (upper - lower);
-  }
-};
-
+using Box = TreeBox<double>;
+using Boxes = TreeBoxes<double>;
 using Vec3 = std::array<double, 3>;
 
-HWY_INLINE double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+HWY_INLINE double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+HWY_INLINE double dot(const Vec3& a, const Vec3& b) { return dot(a.data(), b.data()); }
 
-/// Of a slab's normal, the inverse of its squared length, or nearly: what it is used for works with any number.
-constexpr double normal_weight = 1.0 / (MeshNode::normal_size * MeshNode::normal_size);
-
-/// An axis in the opened body's frame, and what a box of the other one covers of it.
+/// An axis in the opened body's frame, and the interval on it that a box of the other body covers.
 struct Axis {
   Vec3 direction;
   double low, high;
   double scale;  ///< 1 / length, or 0
 };
 
-/// What a box of the other tree covers of axes.
+/// The intervals that a box of the other tree covers on all axes.
 struct Covered {
   std::array<double, BoxDistance::Side::axes> low, high;
-  Axis slab;    ///< along the normal of its slab
-  Axis middle;  ///< towards `target`, in places of the opened tree
+  Axis slab;    ///< along the normal of the box's slab
+  Axis middle;  ///< towards `target`, in grid coordinates of the opened tree
 
-  Covered(const BoxDistance::Side& side, const Box& box, const Vec3& target) {
+  Covered(const BoxDistance::Side& side, const Box& box, const double* target) {
     for (int k = 0; k < BoxDistance::Side::axes; ++k) {
       double centre = side.other_offset[k], reach = 0;
       for (int i = 0; i < 3; ++i) {
@@ -92,10 +56,11 @@ struct Covered {
       middle.direction[i] = target[i] - 0.5 * (low[i] + high[i]);
     }
     cover(slab, dot(slab.direction, side.offset) + side.ratio * box.height, side.ratio * box.thickness);
-    // As the other body sees it: a part along its slab's normal, and the remainder, along which the box counts.
+    // Seen from the other body, the axis is the sum of a part along its slab's normal, which the slab bounds, and a
+    // remainder, which the box bounds.
     const Vec3 seen = {dot(side.turned[0], middle.direction), dot(side.turned[1], middle.direction),
                        dot(side.turned[2], middle.direction)};
-    const double part = dot(box.normal, seen) * normal_weight;
+    const double part = dot(box.normal, seen.data()) * normal_weight<double>;
     double centre = part * box.height, reach = std::abs(part) * box.thickness;
     for (int i = 0; i < 3; ++i) {
       const double rest = seen[i] - part * box.normal[i];
@@ -114,59 +79,24 @@ struct Covered {
   }
 };
 
-template <class Int>
-HWY_INLINE Vec widened(const Int* places) {
-  const Lanes d;
-  return hn::PromoteTo(d, hn::PromoteTo(Ints(), hn::LoadU(hn::Rebind<Int, Lanes>(), places)));
-}
-
-HWY_INLINE Vec dot(const Vec* a, const double* b) {
-  const Lanes d;
-  return hn::Add(hn::Add(hn::Mul(a[0], hn::Set(d, b[0])), hn::Mul(a[1], hn::Set(d, b[1]))),
-                 hn::Mul(a[2], hn::Set(d, b[2])));
-}
-
 /// Signed gap between [lower, upper] and [low, high].
 HWY_INLINE Vec gap_between(Vec lower, Vec upper, double low, double high) {
   const Lanes d;
   return hn::Max(hn::Sub(lower, hn::Set(d, high)), hn::Sub(hn::Set(d, low), upper));
 }
 
-/// Boxes of a node, as many as there are lanes.
-struct Boxes {
-  Vec lower[3], upper[3], sum[3], extent[3], normal[3];
-  Vec slab_lower, slab_upper;
-
-  HWY_INLINE Boxes(const MeshNode& node, std::size_t first) {
-    for (int i = 0; i < 3; ++i) {
-      lower[i] = widened(node.lower[i] + first);
-      upper[i] = widened(node.upper[i] + first);
-      sum[i] = hn::Add(lower[i], upper[i]);
-      extent[i] = hn::Sub(upper[i], lower[i]);
-      normal[i] = widened(node.normal[i] + first);
-    }
-    slab_lower = widened(node.slab_lower + first);
-    slab_upper = widened(node.slab_upper + first);
-  }
-};
-
-/// Along any axis; of a box, what its own slab leaves of it.
+/// Signed gap along any axis.
 HWY_INLINE Vec gap_along(const Boxes& boxes, const Axis& axis) {
   const Lanes d;
-  const auto part = hn::Mul(dot(boxes.normal, axis.direction.data()), hn::Set(d, normal_weight));
-  const auto half = hn::Mul(part, hn::Set(d, 0.5 * MeshNode::slab_unit));
-  auto centre = hn::Mul(half, hn::Add(boxes.slab_lower, boxes.slab_upper));
-  auto reach = hn::Mul(hn::Abs(half), hn::Sub(boxes.slab_upper, boxes.slab_lower));
-  for (int i = 0; i < 3; ++i) {
-    const auto rest = hn::Mul(hn::Set(d, 0.5), hn::Sub(hn::Set(d, axis.direction[i]), hn::Mul(part, boxes.normal[i])));
-    centre = hn::Add(centre, hn::Mul(rest, boxes.sum[i]));
-    reach = hn::Add(reach, hn::Mul(hn::Abs(rest), boxes.extent[i]));
-  }
+  const Vec3 half = {0.5 * axis.direction[0], 0.5 * axis.direction[1], 0.5 * axis.direction[2]};
+  Vec centre, reach;
+  boxes.cover(half.data(), centre, reach);
   return hn::Mul(gap_between(hn::Sub(centre, reach), hn::Add(centre, reach), axis.low, axis.high),
                  hn::Set(d, axis.scale));
 }
 
-/// Lower bounds of distances in places, where they are positive; elsewhere some measure of how much boxes overlap.
+/// Returns lower bounds of distances, in grid steps, where they are positive. Elsewhere the values only measure how
+/// much boxes overlap.
 HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, const Covered& box) {
   const Lanes d;
   auto widest = hn::Set(d, -std::numeric_limits<double>::infinity());
@@ -179,10 +109,7 @@ HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, cons
   for (int k = 0; k < 3; ++k) {
     add(gap_between(boxes.lower[k], boxes.upper[k], box.low[k], box.high[k]), squared);
     const std::array<double, 3>& axis = side.turned[k];
-    const auto centre = dot(boxes.sum, axis.data());
-    auto reach = hn::Mul(hn::Set(d, std::abs(axis[0])), boxes.extent[0]);
-    reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(axis[1])), boxes.extent[1]));
-    reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(axis[2])), boxes.extent[2]));
+    const auto centre = dot(boxes.sum, axis.data()), reach = boxes.reach_along(axis.data());
     const auto half = hn::Set(d, 0.5);
     add(gap_between(hn::Mul(half, hn::Sub(centre, reach)), hn::Mul(half, hn::Add(centre, reach)), box.low[3 + k],
                     box.high[3 + k]),
@@ -193,16 +120,17 @@ HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, cons
   return hn::IfThenElse(hn::Gt(squared, hn::Zero(d)), hn::Max(widest, hn::Sqrt(squared)), widest);
 }
 
-/// Depth first, near boxes before far ones, the larger box of a pair being opened.
-class Traversal {
+/// Depth first, near boxes before far ones. Of a pair of boxes the larger one is opened.
+class NearLeafTraversal {
  public:
-  Traversal(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit)
+  NearLeafTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit)
       : trees_{&a, &b}, sides_{&bounds.a, &bounds.b}, limit_(limit) {}
 
   void run(VisitNearLeaves visit, void* context) {
-    // The whole of b against the boxes of a's root; b's root is opened next.
+    // The traversal starts with all of b against the boxes of a's root, and opens b's root next.
     constexpr Ref root_a{0, 0, 0}, root_b{0, 0, std::numeric_limits<float>::infinity()};
-    open(0, {{root_a, root_b}, 0}, Covered(*sides_[0], Box(trees_[1]->nodes[0]), Box(trees_[0]->nodes[0]).centre));
+    open(0, {{root_a, root_b}, 0},
+         Covered(*sides_[0], Box::around(trees_[1]->nodes[0]), Box::around(trees_[0]->nodes[0]).centre));
     while (size_ > 0) {
       const Entry entry = stack_[--size_];
       if (!(entry.bound < limit_)) continue;
@@ -222,7 +150,7 @@ class Traversal {
   /// A box of a tree.
   struct Ref {
     std::uint32_t link, slot;  ///< slot: node * width + lane
-    float size;                ///< in the world, to compare; a slab's thickness counts more than what it is cut from
+    float size;                ///< TreeBoxes::sizes(), in world units
   };
   struct Entry {
     std::array<Ref, 2> refs;
@@ -235,7 +163,7 @@ class Traversal {
     return {trees_[tree]->nodes[slot / MeshNode::width], slot % MeshNode::width};
   }
 
-  /// Holds the boxes of a node of tree `opened` against a box of the other one.
+  /// Tests the boxes of a node of tree `opened` against a box of the other tree.
   void open(std::size_t opened, const Entry& entry, const Covered& box) {
     const Lanes d;
     const std::int32_t index = MeshNode::child_of(entry.refs[opened].link);
@@ -244,12 +172,9 @@ class Traversal {
     alignas(64) std::array<double, MeshNode::width> bound, size;
     for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
       const Boxes boxes(node, first);
-      const auto places = hn::Sub(distances(side, boxes, box), hn::Set(d, side.error));
-      hn::StoreU(hn::Sub(hn::Mul(places, hn::Set(d, side.unit)), hn::Set(d, side.world_error)), d,
-                 bound.data() + first);
-      const auto thickness = hn::Mul(hn::Sub(boxes.slab_upper, boxes.slab_lower), hn::Set(d, 8.0));
-      const auto extent = hn::Add(hn::Add(boxes.extent[0], boxes.extent[1]), boxes.extent[2]);
-      hn::StoreU(hn::Mul(hn::Add(extent, thickness), hn::Set(d, side.unit)), d, size.data() + first);
+      const auto steps = hn::Sub(distances(side, boxes, box), hn::Set(d, side.error));
+      hn::StoreU(hn::Sub(hn::Mul(steps, hn::Set(d, side.unit)), hn::Set(d, side.world_error)), d, bound.data() + first);
+      hn::StoreU(hn::Mul(boxes.sizes(), hn::Set(d, side.unit)), d, size.data() + first);
     }
     const std::size_t bottom = size_;
     for (std::uint32_t lane = 0; lane < MeshNode::width && node.link[lane] < MeshNode::unused_link; ++lane) {
@@ -266,15 +191,17 @@ class Traversal {
   }
 
   std::array<const MeshTreeView*, 2> trees_;       // a, b
-  std::array<const BoxDistance::Side*, 2> sides_;  // by the opened tree
+  std::array<const BoxDistance::Side*, 2> sides_;  // indexed by the opened tree
   double limit_;
   std::size_t size_ = 0;
   std::array<Entry, stack_size> stack_;
 };
 
+}  // namespace
+
 void visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
                        VisitNearLeaves visit, void* context) {
-  Traversal(a, b, bounds, limit).run(visit, context);
+  NearLeafTraversal(a, b, bounds, limit).run(visit, context);
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -287,7 +214,8 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
 
-/// Mean factor by which a map stretches lengths, and a bound of the relative difference of squares of others.
+/// The mean factor by which a map stretches lengths, and a bound of the relative deviation of squared factors from its
+/// square.
 struct Stretch {
   double factor, departure;
 
@@ -301,7 +229,7 @@ struct Stretch {
 
 Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// How far TreeGrid::at(), in float, is off the place that it stands for; at the size of the body.
+/// Returns the rounding error of TreeGrid::at(), which computes in float, at the size of the body.
 double rounding(const GateBody& body) {
   return 0x1p-24 * body.scale * (4 * 32768 * static_cast<double>(body.grid.step) + as_vector(body.grid.middle).norm());
 }
@@ -309,7 +237,7 @@ double rounding(const GateBody& body) {
 BoxDistance::Side make_side(const AffineMap& map, const GateBody& body, const AffineMap& other_map,
                             const GateBody& other, double error) {
   BoxDistance::Side side{};
-  // Local coordinates are middle + step * place.
+  // Local coordinates are middle + step * grid coordinate.
   const double step = body.scale * static_cast<double>(body.grid.step);
   const double other_step = other.scale * static_cast<double>(other.grid.step);
   const Vector middle = body.scale * as_vector(body.grid.middle);
@@ -340,7 +268,7 @@ BoxDistance::Side make_side(const AffineMap& map, const GateBody& body, const Af
       (0x1p-44 * size + 4 * both.departure * other_size + rounding(body) + 2 * both.factor * rounding(other)) / step;
   side.unit = step * own.factor * (1 - own.departure - 3 * both.departure - 0x1p-44);
   side.world_error = error;
-  // Squares of places must stay finite and above what underflows.
+  // Squares of grid coordinates must stay finite and above the range of underflow.
   side.works = size / step < 1e100 && side.ratio > 1e-100 && side.ratio < 1e100 && side.unit > 0 && side.unit < 1e100 &&
                own.departure < 0.1 && both.departure < 0.1;
   return side;

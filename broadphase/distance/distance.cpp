@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/distance/resting_pair.h"
 #include "broadphase/distance/surface_distance.h"
+#include "broadphase/motion/pose.h"
 #include "broadphase/separation/containment.h"
 #include "broadphase/shape/compound.h"
 
@@ -13,18 +14,18 @@
 namespace encage {
 namespace {
 
-/// Balls around the local origins hold the bodies, unknown interiors included.
-double ball_bound(const Shape& a, const Shape& b, const RestingPair& pair, double error) {
+/// Lower bound from the balls around the local origins, which contain the bodies, unknown interiors included.
+double ball_bound(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair, double error) {
   const double reach = (pair.scale_a * a.outer().radius + pair.scale_b * b.outer().radius) * (1 + 1e-8);
   return std::max(0.0, pair.b.offset.norm() - reach - error);
 }
 
-/// Of two bodies whose surfaces are apart, whether one may hold a part of the other.
+/// Decides, for two bodies whose surfaces are apart, whether one may contain a part of the other.
 class Containment {
  public:
-  Containment(const Shape& a, const Shape& b, const RestingPair& pair) : a_(a), b_(b), pair_(pair) {}
+  Containment(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair) : a_(a), b_(b), pair_(pair) {}
 
-  /// In an unknown interior.
+  /// True if an unknown interior may contain a part of the other body.
   bool possible(bool open_a, bool open_b) const {
     if (!open_a && !open_b) return false;
     FineLease lease_a, lease_b;
@@ -39,19 +40,19 @@ class Containment {
   }
 
  private:
-  const Shape& a_;
-  const Shape& b_;
+  const SimpleShape& a_;
+  const SimpleShape& b_;
   const RestingPair& pair_;
 };
 
-double fine_error(const Shape& a, const Shape& b, const RestingPair& pair) {
-  // A pose stretches it by less than 1e-9.
-  return (1 + 1e-8) * (pair.scale_a * a.outer_error() + pair.scale_b * b.outer_error());
+double error_in_world(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair) {
+  return a.error_in_world(pair.scale_a) + b.error_in_world(pair.scale_b);
 }
 
-/// Of simple shapes.
-double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const CageDistanceOptions& options) {
-  double bound = ball_bound(a, b, pair, fine_error(a, b, pair) + pair.error);
+/// cage_distance_bound() of simple shapes.
+double cage_bound(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair,
+                  const CageDistanceOptions& options) {
+  double bound = ball_bound(a, b, pair, error_in_world(a, b, pair) + pair.error);
   if (a.cages.empty() || b.cages.empty() || bound >= options.enough) return bound;
   const Containment containment(a, b, pair);
   if (containment.possible(unknown_in_cage(a), unknown_in_cage(b))) return bound;
@@ -62,17 +63,18 @@ double cage_bound(const Shape& a, const Shape& b, const RestingPair& pair, const
     const ScaledSurface cage_b(b.cages[std::min(k, count_b - 1)], pair.scale_b);
     const SurfaceDistance found =
         surface_distance(cage_a, cage_b, pair, {.limit = options.enough, .tolerance = options.tolerance});
-    // Farther apart than a point may be off that is located.
+    // Containment is decided only if the surfaces are farther apart than the error of a located point.
     if (found.lower > std::max(bound, pair.located()) && containment.excluded(cage_a, cage_b)) bound = found.lower;
     if (bound >= options.enough) break;
   }
   return bound;
 }
 
-/// The vertex that stands for a part of `guest` in `host`'s solid, or -1.
-std::int32_t held_vertex(const ScaledSurface& host, const ScaledSurface& guest, const PairFrame& frame, bool& unknown) {
+/// Returns the vertex that stands for a part of `guest` in `host`'s solid, or -1.
+std::int32_t held_vertex(const ScaledSurface& host, const ScaledSurface& guest, const AffineMap& to_host,
+                         bool& unknown) {
   for (const MeshPart& part : guest->parts) {
-    const Side side = locate(*host, frame.map(guest.vertex(part.vertex)) / host.scale());
+    const Side side = locate(*host, to_host(guest.vertex(part.vertex)) / host.scale());
     if (side == Side::inside) return part.vertex;
     unknown = unknown || side == Side::unknown;
   }
@@ -87,8 +89,9 @@ std::int32_t triangle_of(const Surface& surface, std::int32_t vertex) {
   return static_cast<std::int32_t>(found - triangles.begin());
 }
 
-/// Of bodies whose surfaces are farther apart than points may be off: is a part of one inside the other?
-void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, DistanceResult& result) {
+/// Decides whether a part of one body is inside the other. Surfaces must be farther apart than the error of a located
+/// point.
+void look_inside(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair, DistanceResult& result) {
   const Interior in_a = interior(a), in_b = interior(b);
   const ScaledSurface fine_a(a.fine, pair.scale_a), fine_b(b.fine, pair.scale_b);
   bool unknown = Containment(a, b, pair).possible(in_a == Interior::unknown, in_b == Interior::unknown);
@@ -105,11 +108,12 @@ void look_inside(const Shape& a, const Shape& b, const RestingPair& pair, Distan
   }
 }
 
-/// Of simple shapes whose places are off by `moved` at most. Nothing that is not below the limit is said of points.
-DistanceResult simple_distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                               double moved, const DistanceOptions& options) {
-  const RestingPair pair(a, motion_a, b, motion_b);
-  const double slack = fine_error(a, b, pair) + moved;
+/// distance() of simple shapes whose positions are off by `moved` at most. Points remain unset where the distance is
+/// not below the limit.
+DistanceResult simple_distance(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b,
+                               const Motion& motion_b, double moved, const DistanceOptions& options) {
+  const RestingPair pair(a.frame, motion_a, b.frame, motion_b);
+  const double slack = error_in_world(a, b, pair) + moved;
   const double balls = ball_bound(a, b, pair, slack + pair.error);
   if (balls >= options.limit) return {.lower = balls};
   FineLease lease_a, lease_b;
@@ -129,7 +133,7 @@ DistanceResult simple_distance(const Shape& a, const Motion& motion_a, const Sha
   if (found.lower > pair.located() + slack) {
     look_inside(a, b, pair, result);
   } else {
-    result.lower = 0;  // so near that nobody can say what is inside
+    result.lower = 0;  // too near for a proof that nothing is inside
   }
   result.point_a += pair.origin;
   result.point_b += pair.origin;
@@ -149,7 +153,7 @@ double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& 
     const double moved = part_a.slack + part_b.slack;
     CageDistanceOptions asked = options;
     asked.enough = bound + moved;
-    const RestingPair pair(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion);
+    const RestingPair pair(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
     bound = std::min(bound, std::max(0.0, cage_bound(*part_a.shape, *part_b.shape, pair, asked) - moved));
     return bound > 0;
   });
@@ -165,8 +169,10 @@ DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, 
   for_each_part_pair(a, at_a, b, at_b, options.limit, [&](const MovingPart& part_a, const MovingPart& part_b) {
     DistanceOptions asked = options;
     asked.limit = std::min(options.limit, nearest.upper);
-    // Out of range for all parts but one.
-    asked.hint = {options.hint.a - part_a.first_triangle, options.hint.b - part_b.first_triangle};
+    // An index out of range for all parts but one.
+    asked.hint = options.hint.a < 0 || options.hint.b < 0
+                     ? TrianglePair{-1, -1}
+                     : TrianglePair{options.hint.a - part_a.first_triangle, options.hint.b - part_b.first_triangle};
     DistanceResult found =
         simple_distance(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion, part_a.slack + part_b.slack, asked);
     if (found.triangle_a >= 0) found.triangle_a += part_a.first_triangle;

@@ -1,33 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/distance/resting_pair.h"
 
-#include <limits>
+#include "src/limits.h"
 
 namespace encage {
 namespace {
 
-PairFrame between(const AffineMap& host, const AffineMap& guest) {
+AffineMap between(const AffineMap& host, const AffineMap& guest) {
   const Eigen::Matrix3d inverse = host.linear.inverse();
   return {inverse * guest.linear, inverse * (guest.offset - host.offset)};
 }
 
 }  // namespace
 
-RestingPair::RestingPair(const Shape& shape_a, const Motion& motion_a, const Shape& shape_b,
+RestingPair::RestingPair(const LocalFrame& local_a, const Motion& motion_a, const LocalFrame& local_b,
                          const Motion& motion_b) noexcept
     : scale_a(motion_a.scale), scale_b(motion_b.scale) {
   a.linear = motion_a.start.linear();
   b.linear = motion_b.start.linear();
-  b.offset = origin_offset(shape_a, {motion_a.start, scale_a}, shape_b, {motion_b.start, scale_b});
-  origin = a.linear * (scale_a * shape_a.origin) + motion_a.start.translation();
-  const double size =
-      scale_a * (shape_a.radius + shape_a.origin.norm()) + scale_b * (shape_b.radius + shape_b.origin.norm());
+  b.offset = origin_offset(local_a, {motion_a.start, scale_a}, local_b, {motion_b.start, scale_b});
+  origin = a.linear * (scale_a * local_a.origin) + motion_a.start.translation();
+  const double size = scale_a * local_a.reach() + scale_b * local_b.reach();
   const double between_bodies = (motion_b.start.translation() - motion_a.start.translation()).norm();
-  // The constant keeps what underflows from looking nearer than it is.
-  error = 32 * std::numeric_limits<double>::epsilon() * (size + between_bodies) + 1e-140;
+  // The constant keeps underflow from making bodies look nearer than they are.
+  error = 32 * eps * (size + between_bodies) + 1e-140;
 }
 
-PairFrame RestingPair::b_to_a() const noexcept { return between(a, b); }
-PairFrame RestingPair::a_to_b() const noexcept { return between(b, a); }
+AffineMap RestingPair::b_to_a() const noexcept { return between(a, b); }
+AffineMap RestingPair::a_to_b() const noexcept { return between(b, a); }
 
 }  // namespace encage

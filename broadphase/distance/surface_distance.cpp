@@ -10,9 +10,10 @@
 namespace encage {
 namespace {
 
-class Search {
+class DistanceSearch {
  public:
-  Search(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair, const SurfaceDistanceOptions& options)
+  DistanceSearch(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
+                 const SurfaceDistanceOptions& options)
       : a_(a), b_(b), pair_(pair), options_(options) {}
 
   SurfaceDistance run() {
@@ -25,7 +26,7 @@ class Search {
     visit_near_leaves(
         a_->tree, b_->tree, bounds, limit(),
         [](void* search, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
-          return static_cast<Search*>(search)->leaves(first_a, count_a, first_b, count_b);
+          return static_cast<DistanceSearch*>(search)->leaves(first_a, count_a, first_b, count_b);
         },
         this);
     best_.lower = limit() < 0 ? 0 : std::min(lower_, limit());
@@ -37,7 +38,7 @@ class Search {
     return triangle >= 0 && static_cast<std::size_t>(triangle) < surface->mesh.triangles.size();
   }
 
-  /// From which distance on nothing matters any more: minus infinity if bodies touch as far as rounding tells.
+  /// Returns the distance from which on pairs need not be tested; minus infinity if the surfaces touch within rounding.
   double limit() const {
     if (best_.crossing || best_.upper <= 4 * pair_.error) return -std::numeric_limits<double>::infinity();
     return std::min(options_.limit, best_.upper / (1 + options_.tolerance));
@@ -83,7 +84,7 @@ class Search {
       std::uint32_t left = (1U << count_b) - 1;
       double asked = std::numeric_limits<double>::infinity();
       for (; left != 0; left &= left - 1) {
-        if (limit() < asked) {  // most pairs are told to be farther by axes that are cheap to try
+        if (limit() < asked) {  // axes that are cheap to try prove most pairs farther apart
           asked = limit();
           if (asked < 0) return asked;
           left &= lanes_not_apart(lanes_a, i, lanes_b, count_b, 1, asked + pair_.error);
@@ -101,7 +102,7 @@ class Search {
   const ScaledSurface& b_;
   const RestingPair& pair_;
   const SurfaceDistanceOptions& options_;
-  double lower_ = std::numeric_limits<double>::infinity();  // of all pairs looked at
+  double lower_ = std::numeric_limits<double>::infinity();  // over all pairs tested
   SurfaceDistance best_;
 };
 
@@ -109,7 +110,7 @@ class Search {
 
 SurfaceDistance surface_distance(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
                                  const SurfaceDistanceOptions& options) noexcept {
-  return Search(a, b, pair, options).run();
+  return DistanceSearch(a, b, pair, options).run();
 }
 
 }  // namespace encage

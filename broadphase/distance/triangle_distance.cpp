@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/distance/triangle_distance.h"
 
+#include "src/limits.h"
 #include "src/mesh/segments.h"
 
 #include <Eigen/Geometry>
@@ -14,11 +15,11 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The nearest points found so far, and edges that the line between them should be normal to: zero if there is none.
-struct Nearest {
+/// The nearest points found so far, and the edges that the line between them should be normal to; an edge is zero if
+/// there is none.
+struct NearestPoints {
   double squared = infinity;
   Vector on_a, on_b;
   Vector edge_a = Vector::Zero(), edge_b = Vector::Zero();
@@ -34,20 +35,20 @@ struct Nearest {
   }
 };
 
-void consider_edges(const TriangleD& a, const TriangleD& b, Nearest& nearest) {
-  const auto inside = [](double place) { return place > 0 && place < 1; };
+void consider_edges(const TriangleD& a, const TriangleD& b, NearestPoints& nearest) {
+  const auto inside = [](double parameter) { return parameter > 0 && parameter < 1; };
   for (int i = 0; i < 3; ++i) {
     const Vector u = a[(i + 1) % 3] - a[i];
     for (int j = 0; j < 3; ++j) {
       const Vector v = b[(j + 1) % 3] - b[j];
-      const auto [s, t] = closest_places(u, v, a[i] - b[j]);
+      const auto [s, t] = closest_parameters(u, v, a[i] - b[j]);
       const Vector none = Vector::Zero();
       nearest.consider(a[i] + s * u, b[j] + t * v, inside(s) ? u : none, inside(t) ? v : none);
     }
   }
 }
 
-/// A triangle's plane, and points of the triangle.
+/// The plane of a triangle, and points of the triangle.
 class Face {
  public:
   explicit Face(const TriangleD& t) : origin_(t[0]), u_(t[1] - t[0]), v_(t[2] - t[0]), normal_(u_.cross(v_)) {
@@ -57,8 +58,8 @@ class Face {
   const Vector& u() const { return u_; }
   const Vector& v() const { return v_; }
   double height(const Vector& p) const { return normal_.dot(p - origin_); }
-  /// The foot of `p`; false if it is not in the triangle, as far as rounding tells. What is true comes with a point of
-  /// the triangle.
+  /// Computes the foot of `p` on the plane. Returns false if, as computed, it is not in the triangle; otherwise `x` is
+  /// a point of the triangle.
   bool foot(const Vector& p, Vector& x) const {
     if (!(squared_ > 0)) return false;
     const Vector w = p - origin_;
@@ -73,8 +74,8 @@ class Face {
   double squared_;
 };
 
-/// Corners over the face, and edges through it; `flip`: the points go the other way round.
-void consider_face(const Face& face, const TriangleD& other, bool flip, Nearest& nearest) {
+/// Considers corners above the face, and edges through it. With `flip` the points are exchanged.
+void consider_face(const Face& face, const TriangleD& other, bool flip, NearestPoints& nearest) {
   const auto consider = [&](const Vector& p, const Vector& e, const Vector& f) {
     Vector x;
     if (!face.foot(p, x)) return;
@@ -92,10 +93,10 @@ void consider_face(const Face& face, const TriangleD& other, bool flip, Nearest&
   }
 }
 
-/// Distance of the projections on an axis; minus infinity where underflow or overflow could have entered.
+/// Distance of the projections on an axis; minus infinity where underflow or overflow could have occurred.
 double gap_along(const Vector& n, const TriangleD& a, const TriangleD& b) {
   const double squared = n.squaredNorm();
-  if (!(squared > 1e-280 && squared < 1e280)) return -infinity;
+  if (!(squared > smallest_square && squared < 1 / smallest_square)) return -infinity;
   const double a0 = n.dot(a[0]), a1 = n.dot(a[1]), a2 = n.dot(a[2]);
   const double b0 = n.dot(b[0]), b1 = n.dot(b[1]), b2 = n.dot(b[2]);
   const double gap =
@@ -103,8 +104,8 @@ double gap_along(const Vector& n, const TriangleD& a, const TriangleD& b) {
   return gap / std::sqrt(squared);
 }
 
-/// What is left of `n` normal to both edges. Between close points the direction is mostly rounding, but edges are known
-/// well.
+/// Returns the component of `n` normal to both edges. Between close points the direction is mostly rounding, while the
+/// edges are accurate.
 Vector normal_to(Vector n, const Vector& e, const Vector& f) {
   const auto without = [](const Vector& x, const Vector& direction) -> Vector {
     const double squared = direction.squaredNorm();
@@ -117,15 +118,15 @@ Vector normal_to(Vector n, const Vector& e, const Vector& f) {
 
 double determinant(const Vector& u, const Vector& v, const Vector& w) { return u.dot(v.cross(w)); }
 
-/// Of an edge and a face.
+/// True if the edge p q passes through the triangle.
 bool passes_through(const Vector& p, const Vector& q, const TriangleD& t, double error) {
   const std::array<Vector, 3> d = {t[0] - p, t[1] - p, t[2] - p};
   const Vector edge = q - p;
   double size = edge.norm();
   for (const Vector& x : d) size = std::max(size, x.norm());
-  // A determinant of three differences up to twice the size, each off by twice the error and rounding.
+  // A determinant of three differences up to twice the size; each difference is off by twice the error plus rounding.
   const double moved = 2 * error + 8 * eps * size, largest = 2 * size + moved;
-  const double bound = 4 * moved * largest * largest + 1e-290;
+  const double bound = 4 * moved * largest * largest + smallest_product;
   const double above = determinant(t[1] - t[0], t[2] - t[0], p - t[0]);
   const double below = determinant(t[1] - t[0], t[2] - t[0], q - t[0]);
   if (!(std::min(std::abs(above), std::abs(below)) > bound) || (above > 0) == (below > 0)) return false;
@@ -138,7 +139,7 @@ bool passes_through(const Vector& p, const Vector& q, const TriangleD& t, double
 
 TriangleDistance triangle_distance(const TriangleD& a, const TriangleD& b, double error) noexcept {
   const Face face_a(a), face_b(b);
-  Nearest nearest;
+  NearestPoints nearest;
   nearest.on_a = a[0];
   nearest.on_b = b[0];
   consider_edges(a, b, nearest);
@@ -147,7 +148,7 @@ TriangleDistance triangle_distance(const TriangleD& a, const TriangleD& b, doubl
   const Vector direction = nearest.on_b - nearest.on_a;
   const double found = direction.norm();
 
-  // Whichever features are nearest, one of the axes is the line between them.
+  // Whichever features are nearest, one of the axes is parallel to the line between them.
   double gap = gap_along(direction, a, b);
   const auto consider = [&](const Vector& n) {
     if (found - gap > error) gap = std::max(gap, gap_along(n, a, b));

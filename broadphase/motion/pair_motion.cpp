@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/motion/pair_motion.h"
 
-#include "broadphase/motion/frame.h"
-
 #include <algorithm>
 
 namespace encage {
@@ -27,11 +25,12 @@ double PairMotion::displacement(double radius_a, double radius_b) const {
          radius_a * (a[1].linear - a[0].linear).norm() + radius_b * (b[1].linear - b[0].linear).norm();
 }
 
-PairMotion pair_motion(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b) noexcept {
+PairMotion pair_motion(const LocalFrame& a, const Motion& motion_a, const LocalFrame& b,
+                       const Motion& motion_b) noexcept {
   const double scale_a = motion_a.scale, scale_b = motion_b.scale;
-  const PairFrame start = relative_frame(a, {motion_a.start, scale_a}, b, {motion_b.start, scale_b});
+  const AffineMap start = relative_frame(a, {motion_a.start, scale_a}, b, {motion_b.start, scale_b});
   PairMotion pair;
-  pair.b[0] = {start.rotation, start.translation};
+  pair.b[0] = start;
   pair.at_rest = motion_a.at_rest() && motion_b.at_rest();
   if (pair.at_rest) {
     pair.a[1] = pair.a[0];
@@ -45,7 +44,7 @@ PairMotion pair_motion(const Shape& a, const Motion& motion_a, const Shape& b, c
   return pair;
 }
 
-double required_distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+double required_distance(const LocalFrame& a, const Motion& motion_a, const LocalFrame& b, const Motion& motion_b,
                          double margin) noexcept {
   const auto required = [&](const Eigen::Isometry3d& pose_a, const Eigen::Isometry3d& pose_b) {
     return required_distance(a, {pose_a, motion_a.scale}, b, {pose_b, motion_b.scale}, margin);

@@ -2,9 +2,10 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/separation/box_gate.cpp"
-#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+#include <hwy/foreach_target.h>  // compiles the following once for every instruction set
 
 #include "broadphase/separation/box_gate.h"
+#include "broadphase/separation/tree_boxes-inl.h"
 
 #include <hwy/highway.h>
 // clang-format on
@@ -13,12 +14,12 @@
 #include <cmath>
 #include <limits>
 
-#ifndef ENCAGE_BOX_GATE_PACKING  // once for all instruction sets
+#ifndef ENCAGE_BOX_GATE_PACKING  // only once, not for each instruction set
 #define ENCAGE_BOX_GATE_PACKING
 namespace encage {
 namespace {
 
-/// For every set of lanes: how many they are, and their numbers in order, then zeros.
+/// For every set of lanes: their number, and their indices in order, followed by zeros.
 struct PackingTable {
   std::array<std::uint8_t, 256> counts = {};
   std::array<std::array<std::int32_t, 8>, 256> indices = {};
@@ -41,51 +42,16 @@ constexpr PackingTable packing = [] {
 HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
+namespace {
 
-using Lanes = hn::CappedTag<float, MeshNode::width>;      // boxes of a node
-using Axes = hn::CappedTag<float, BoxGate::Side::lanes>;  // axes of a gate
+using Lanes = NodeLanes<float>;
+using Axes = hn::CappedTag<float, BoxGate::Side::lanes>;
 using Numbers = hn::RebindToUnsigned<Lanes>;
 using Vec = hn::Vec<Lanes>;
+using Box = TreeBox<float>;
+using Boxes = TreeBoxes<float>;
 
-/// A box of a tree and the slab in it, in places of its grid.
-struct Box {
-  float centre[3], half[3];
-  float normal[3];
-  float height, thickness;  ///< of the slab's middle, half of it
-
-  HWY_INLINE Box(const MeshNode& node, std::uint32_t lane) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto lower = static_cast<float>(node.lower[axis][lane]), upper = static_cast<float>(node.upper[axis][lane]);
-      centre[axis] = 0.5F * (lower + upper);
-      half[axis] = 0.5F * (upper - lower);
-      normal[axis] = static_cast<float>(node.normal[axis][lane]);
-    }
-    constexpr float half_unit = 0.5F * MeshNode::slab_unit;
-    const auto low = static_cast<float>(node.slab_lower[lane]), high = static_cast<float>(node.slab_upper[lane]);
-    height = half_unit * (low + high);
-    thickness = half_unit * (high - low);
-  }
-
-  /// Around all boxes of a node; without a slab.
-  static Box around(const MeshNode& node) {
-    Box box(node, 0);
-    for (int axis = 0; axis < 3; ++axis) {
-      std::int16_t lower = node.lower[axis][0], upper = node.upper[axis][0];
-      for (int lane = 1; lane < MeshNode::width; ++lane) {  // what is unused is empty
-        lower = std::min(lower, node.lower[axis][lane]);
-        upper = std::max(upper, node.upper[axis][lane]);
-      }
-      box.centre[axis] = 0.5F * (static_cast<float>(lower) + static_cast<float>(upper));
-      box.half[axis] = 0.5F * (static_cast<float>(upper) - static_cast<float>(lower));
-      box.normal[axis] = 0;
-    }
-    box.height = box.thickness = 0;
-    return box;
-  }
-};
-
-/// What a moving box covers of the axes during the interval, widened by the gap: a resting box beyond is apart.
+/// The intervals that a moving box covers on the axes, widened by the gap: a resting box beyond them is apart.
 struct Swept {
   alignas(32) float low[BoxGate::Side::lanes];
   alignas(32) float high[BoxGate::Side::lanes];
@@ -111,7 +77,7 @@ HWY_INLINE void sweep(const BoxGate::Side& side, const Box& box, Swept& swept) {
   }
 }
 
-/// The same along the normal of the moving box's slab.
+/// The interval that the moving box covers along the normal of its slab.
 struct SweptSlab {
   float half_normal[3];  ///< in the resting frame, halved
   float low, high;
@@ -130,8 +96,8 @@ HWY_INLINE SweptSlab sweep_slab(const BoxGate::Side& side, const Box& box) {
     float centre = box.height, reach = box.thickness + side.moving_slab_gap;
     for (int i = 0; i < 3; ++i) {
       centre += normal[i] * side.offset[end][i];
-      if (kEnds == 1) continue;  // both are nearly rigid
-      // Seen from the box, the normal is its slab's own but for a remainder, along which the box counts.
+      if (kEnds == 1) continue;  // valid because both maps are nearly rigid
+      // Seen from the moving box, the axis is its slab's normal plus a remainder, which the box bounds.
       const BoxGate::Column& axis = side.map[end][i];
       const float rest = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2] - box.normal[i];
       centre += rest * box.centre[i];
@@ -143,66 +109,20 @@ HWY_INLINE SweptSlab sweep_slab(const BoxGate::Side& side, const Box& box) {
   return swept;
 }
 
-/// Of a normal, the inverse of its squared length, or nearly: what it is used for works with any number.
-constexpr float normal_weight = 1.0F / (MeshNode::normal_size * MeshNode::normal_size);
-
-/// Boxes of a node, as many as there are lanes.
-struct Boxes {
-  Vec sum[3], extent[3];  ///< of both ends
-  Vec normal[3];
-  Vec slab_lower, slab_upper;
-
-  static HWY_INLINE Vec widened(const std::int16_t* places) {
-    const Lanes d;
-    return hn::ConvertTo(
-        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int16_t, Lanes>(), places)));
-  }
-  static HWY_INLINE Vec widened(const std::int8_t* components) {
-    const Lanes d;
-    return hn::ConvertTo(
-        d, hn::PromoteTo(hn::RebindToSigned<Lanes>(), hn::LoadU(hn::Rebind<std::int8_t, Lanes>(), components)));
-  }
-};
-
-HWY_INLINE Vec dot(const Vec* a, const Vec* b) {
-  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
-}
-
-HWY_INLINE Vec dot(const Vec* a, const float* b) {
-  const Lanes d;
-  return hn::Add(hn::Add(hn::Mul(a[0], hn::Set(d, b[0])), hn::Mul(a[1], hn::Set(d, b[1]))),
-                 hn::Mul(a[2], hn::Set(d, b[2])));
-}
-
-/// Whether intervals [centre - reach, centre + reach] lie beyond [low, high].
+/// Lanes whose interval [centre - reach, centre + reach] lies beyond [low, high].
 HWY_INLINE hn::Mask<Lanes> beyond(Vec centre, Vec reach, Vec low, Vec high) {
   return hn::Or(hn::Gt(hn::Sub(centre, reach), high), hn::Lt(hn::Add(centre, reach), low));
 }
 
-/// Boxes that end on one side of the moving slab, by what their own slabs leave of them.
+/// Lanes whose boxes lie beyond the moving slab on one side.
 HWY_INLINE hn::Mask<Lanes> beyond_slab(const Boxes& boxes, const SweptSlab& slab) {
   const Lanes d;
-  // The part of the direction that is the slab's normal, and the remainder, along which the box counts.
-  const auto part = hn::Mul(dot(boxes.normal, slab.half_normal), hn::Set(d, normal_weight));
-  const auto scaled = hn::Mul(part, hn::Set(d, static_cast<float>(MeshNode::slab_unit)));
-  auto centre = hn::Mul(scaled, hn::Add(boxes.slab_lower, boxes.slab_upper));
-  auto reach = hn::Mul(hn::Abs(scaled), hn::Sub(boxes.slab_upper, boxes.slab_lower));
-  for (int i = 0; i < 3; ++i) {
-    const auto rest = hn::Sub(hn::Set(d, slab.half_normal[i]), hn::Mul(part, boxes.normal[i]));
-    centre = hn::Add(centre, hn::Mul(rest, boxes.sum[i]));
-    reach = hn::Add(reach, hn::Mul(hn::Abs(rest), boxes.extent[i]));
-  }
+  Vec centre, reach;
+  boxes.cover(slab.half_normal, centre, reach);
   return beyond(centre, reach, hn::Set(d, slab.low), hn::Set(d, slab.high));
 }
 
-/// How large boxes are, only to compare: a slab's thickness counts more than what it is cut from.
-HWY_INLINE Vec sizes(const Boxes& boxes) {
-  const auto extent = hn::Add(hn::Add(boxes.extent[0], boxes.extent[1]), boxes.extent[2]);
-  const auto thickness = hn::Sub(boxes.slab_upper, boxes.slab_lower);
-  return hn::Add(hn::Mul(thickness, hn::Set(Lanes(), 8.0F)), extent);
-}
-
-/// Moves the lanes of a mask to the front, in order. (g++ copies the table of Highway's Compress onto the stack for
+/// Moves the lanes of a mask to the front, in order. (For Highway's Compress, g++ copies the table onto the stack at
 /// each use on AVX2.)
 class Packing {
  public:
@@ -221,7 +141,7 @@ class Packing {
   decltype(hn::SetTableIndices(Numbers(), static_cast<const std::int32_t*>(nullptr))) indices_;
 };
 
-/// A moving box against boxes of a node that rests.
+/// Tests a moving box against the boxes of a node at rest.
 template <int kEnds>
 class LaneTest {
  public:
@@ -230,26 +150,17 @@ class LaneTest {
     sweep<kEnds>(side, moving, swept_);
   }
 
-  /// The lanes from `first` on that are proven apart, and what was read of all of them.
-  HWY_INLINE hn::Mask<Lanes> apart(const MeshNode& node, std::size_t first, Boxes& boxes) const {
+  /// Lanes whose boxes are proven apart.
+  HWY_INLINE hn::Mask<Lanes> apart(const Boxes& boxes) const {
     const Lanes d;
     auto result = hn::FirstN(d, 0);
     for (int axis = 0; axis < 3; ++axis) {
-      const auto lower = Boxes::widened(node.lower[axis] + first), upper = Boxes::widened(node.upper[axis] + first);
-      result = hn::Or(
-          result, hn::Or(hn::Gt(lower, hn::Set(d, swept_.high[axis])), hn::Lt(upper, hn::Set(d, swept_.low[axis]))));
-      boxes.sum[axis] = hn::Add(lower, upper);
-      boxes.extent[axis] = hn::Sub(upper, lower);
-      boxes.normal[axis] = Boxes::widened(node.normal[axis] + first);
+      result = hn::Or(result, hn::Or(hn::Gt(boxes.lower[axis], hn::Set(d, swept_.high[axis])),
+                                     hn::Lt(boxes.upper[axis], hn::Set(d, swept_.low[axis]))));
     }
-    boxes.slab_lower = Boxes::widened(node.slab_lower + first);
-    boxes.slab_upper = Boxes::widened(node.slab_upper + first);
     for (int axis = 0; axis < 3; ++axis) {
-      const std::array<float, 3>& n = side_.oblique[axis];
-      auto reach = hn::Mul(hn::Set(d, std::abs(n[0])), boxes.extent[0]);
-      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[1])), boxes.extent[1]));
-      reach = hn::Add(reach, hn::Mul(hn::Set(d, std::abs(n[2])), boxes.extent[2]));
-      result = hn::Or(result, beyond(dot(boxes.sum, n.data()), reach, hn::Set(d, swept_.low[4 + axis]),
+      const float* const n = side_.oblique[axis].data();
+      result = hn::Or(result, beyond(dot(boxes.sum, n), boxes.reach_along(n), hn::Set(d, swept_.low[4 + axis]),
                                      hn::Set(d, swept_.high[4 + axis])));
     }
     return hn::Or(result, beyond_slab(boxes, slab_));
@@ -261,18 +172,18 @@ class LaneTest {
   Swept swept_;
 };
 
-/// Depth first, the larger box of a pair being opened.
+/// Depth first. Of a pair of boxes the larger one is opened.
 template <int kEnds>
-class Traversal {
+class LeafPairTraversal {
  public:
-  Traversal(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate)
+  LeafPairTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate)
       : trees_{&a, &b}, sides_{&gate.a, &gate.b} {}
 
   bool run(VisitLeaves visit, void* context) {
-    // The whole of b against the boxes of a's root; b's root is opened next.
+    // The traversal starts with all of b against the boxes of a's root, and opens b's root next.
     open(0, 0, {0, 0, std::numeric_limits<float>::infinity()}, Box::around(trees_[1]->nodes[0]));
     while (size_ > 0) {
-      // Several at a time: their tests do not wait for each other.
+      // Several tests run together, because they do not wait for each other's results.
       const std::size_t taken = std::min(size_, size_ > crowded ? std::size_t{1} : batch);
       std::array<Task, batch> tasks;
       std::size_t count = 0;
@@ -284,7 +195,7 @@ class Traversal {
           if (!visit(context, MeshNode::child_of(link_a), count_a, MeshNode::child_of(link_b), count_b)) return false;
           continue;
         }
-        // Without branches: which one it is nobody can predict.
+        // The choice uses no branch, because it is unpredictable.
         const bool larger_a = stack_[0].size[size_] >= stack_[1].size[size_];
         const std::size_t opened = 1 - static_cast<std::size_t>((count_b > 0) | ((count_a == 0) & larger_a));
         const Column& other = stack_[1 - opened];
@@ -309,24 +220,24 @@ class Traversal {
     std::uint32_t slot;  ///< node * width + lane
     float size;
   };
-  /// A node to open, and the box that is tested against what is in it.
+  /// A node to open, and the box that is tested against the boxes in it.
   struct Task {
     std::size_t opened;
     std::int32_t node;
     Ref other;
   };
   static constexpr std::size_t batch = 4;
-  static constexpr std::size_t crowded = 256;  // from here on one at a time, which bounds the stack
-  // Stores go on behind the top by a vector.
+  static constexpr std::size_t crowded = 256;  // beyond this size tests run one at a time, which bounds the stack
+  // Stores write up to one vector beyond the top.
   static constexpr std::size_t stack_size = crowded + MeshNode::width * (batch + 2 * MeshTree::max_depth + 9);
-  /// The boxes of one tree, of all pairs on the stack.
+  /// One tree's boxes of all pairs on the stack.
   struct Column {
     std::array<std::uint32_t, stack_size> link, slot;
     std::array<float, stack_size> size;
   };
 
-  /// Tests the boxes of a node of tree `resting` against a box of the other one. What is not proven apart goes on the
-  /// stack.
+  /// Tests the boxes of a node of tree `resting` against a box of the other tree, and pushes those that are not proven
+  /// apart.
   HWY_INLINE void open(std::size_t resting, std::int32_t index, Ref other, const Box& moving) {
     const Lanes d;
     const Numbers du;
@@ -336,8 +247,8 @@ class Traversal {
     const auto step = hn::Set(d, side.step);
     Column &rests = stack_[resting], &moves = stack_[1 - resting];
     for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
-      Boxes boxes;
-      const auto apart = test.apart(node, first, boxes);
+      const Boxes boxes(node, first);
+      const auto apart = test.apart(boxes);
       const auto link = hn::LoadU(du, node.link + first);
       const auto used = hn::Lt(link, hn::Set(du, MeshNode::unused_link));
       const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;
@@ -346,7 +257,7 @@ class Traversal {
       const Packing pack(near);
       hn::StoreU(pack(link), du, rests.link.data() + size_);
       hn::StoreU(pack(slot), du, rests.slot.data() + size_);
-      hn::StoreU(pack(hn::Mul(sizes(boxes), step)), d, rests.size.data() + size_);
+      hn::StoreU(pack(hn::Mul(boxes.sizes(), step)), d, rests.size.data() + size_);
       hn::StoreU(hn::Set(du, other.link), du, moves.link.data() + size_);
       hn::StoreU(hn::Set(du, other.slot), du, moves.slot.data() + size_);
       hn::StoreU(hn::Set(d, other.size), d, moves.size.data() + size_);
@@ -355,14 +266,17 @@ class Traversal {
   }
 
   std::array<const MeshTreeView*, 2> trees_;   // a, b
-  std::array<const BoxGate::Side*, 2> sides_;  // by the tree at rest
+  std::array<const BoxGate::Side*, 2> sides_;  // indexed by the tree at rest
   std::size_t size_ = 0;
   std::array<Column, 2> stack_;
 };
 
+}  // namespace
+
 bool visit_leaf_pairs(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, VisitLeaves visit,
                       void* context) {
-  return gate.ends == 1 ? Traversal<1>(a, b, gate).run(visit, context) : Traversal<2>(a, b, gate).run(visit, context);
+  return gate.ends == 1 ? LeafPairTraversal<1>(a, b, gate).run(visit, context)
+                        : LeafPairTraversal<2>(a, b, gate).run(visit, context);
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -375,12 +289,12 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
 
-/// Upper bound of the spectral norm, tight for what is nearly a rotation.
+/// Upper bound of the spectral norm, tight for maps that are nearly rotations.
 double norm_bound(const Matrix& m) {
   return std::sqrt(1 + (m.transpose() * m - Matrix::Identity()).norm()) * (1 + 1e-14);
 }
 
-/// Bound of a rounded normal's length.
+/// Bounds the length of a rounded normal.
 constexpr double longest_normal = MeshNode::normal_size + 1;
 
 Vector as_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
@@ -397,11 +311,12 @@ void set_column(std::array<BoxGate::Side::PerAxis, 3>& axes, std::array<BoxGate:
   }
 }
 
-/// `maps` of the body at rest, `others` of the moving one, to the common frame at both ends of the interval.
+/// Takes the maps to the common frame at both ends of the interval: `maps` of the body at rest, `others` of the moving
+/// one.
 BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& body,
                         const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
   BoxGate::Side side{};
-  // Local coordinates are middle + step * place.
+  // Local coordinates are middle + step * grid coordinate.
   const double step = body.scale * static_cast<double>(body.grid.step);
   const double ratio = other.scale * static_cast<double>(other.grid.step) / step;
   const double radius = body.scale * body.radius, other_radius = other.scale * other.radius;
@@ -409,7 +324,7 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   const Vector other_middle = other.scale * as_vector(other.grid.middle);
   std::array<AffineMap, 2> relative;
   double stretch = 1, offset = 0, shrink = 1;
-  bool finite = true;  // NaN would not survive the maxima
+  bool finite = true;  // a flag, because maxima lose NaN
   for (int end = 0; end < ends; ++end) {
     const bool identity = maps[end].linear == Matrix::Identity();
     const Matrix inverse = identity ? Matrix(Matrix::Identity()) : Matrix(maps[end].linear.inverse());
@@ -419,7 +334,7 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
     stretch = std::max(stretch, norm_bound(relative[end].linear));
     offset = std::max(offset, relative[end].offset.norm());
   }
-  // The other's axes as they are at the start; below length 1, whatever the rounding.
+  // The other body's axes at the start. Their lengths are below 1 in spite of rounding.
   const Matrix axes = relative[0].linear * ((1 - 1e-6) / stretch);
   for (int end = 0; end < ends; ++end) {
     const Vector origin = (relative[end](other_middle) - middle) / step;
@@ -434,9 +349,8 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
     }
   }
 
-  // With A(t) the map of the body at rest and l(t) the straight line, the moving point p(t) is off by
-  // A(t) l(t) - p(t) = t (1 - t) (A1 - A0) (l(0) - l(1)); and A(t) shrinks distances to 1 / |A0^-1| - |A1 - A0| at
-  // least.
+  // With A(t) the map of the body at rest and l(t) the straight line, the moving point p(t) is off by A(t) l(t) - p(t)
+  // = t (1 - t) (A1 - A0) (l(0) - l(1)); and A(t) shrinks distances to no less than 1 / |A0^-1| - |A1 - A0|.
   double bulge = 0;
   if (ends == 2) {
     const double turn = (maps[1].linear - maps[0].linear).norm();
@@ -445,19 +359,19 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
     bulge = 0.25 * turn * way * (1 + 1e-9);
     shrink -= turn;
   }
-  // 128 units of float roundoff (2^-24) of the sizes, and what underflow may lose.
+  // 128 units of float roundoff (2^-24) of the sizes, and the loss by underflow.
   const double size = radius + middle.norm() + stretch * (other_radius + other_middle.norm()) + offset;
   const double gap = (distance + bulge) / shrink + 0x1p-17 * size + 0x1p-120;
-  // Sums of places must stay finite as well: infinity has lost what would be subtracted from it.
-  const bool rigid = ends == 2 || stretch < 1 + 1e-8;  // sweep_slab() takes bodies at rest for that
+  // Sums of grid coordinates must stay finite as well, because a difference of infinities proves nothing.
+  const bool rigid = ends == 2 || stretch < 1 + 1e-8;  // sweep_slab() relies on it for bodies at rest
   side.works = finite && rigid && shrink > 0.05 && stretch < 1e3 && ratio > 1e-10 && ratio < 1e10 &&
                size < 1e28 * std::min(1.0, step) && gap < 1e28 * std::min(1.0, step);
   if (!side.works) return side;
-  const double places = gap / step * (1 + 0x1p-22);
-  side.gap.fill(std::nextafter(static_cast<float>(places), std::numeric_limits<float>::infinity()));
+  const double grid_gap = gap / step * (1 + 0x1p-22);
+  side.gap.fill(std::nextafter(static_cast<float>(grid_gap), std::numeric_limits<float>::infinity()));
   side.step = static_cast<float>(step);
   side.normal_scale = static_cast<float>(1 / (ratio * ratio));
-  side.moving_slab_gap = static_cast<float>(places * longest_normal * stretch / ratio * (1 + 0x1p-20));
+  side.moving_slab_gap = static_cast<float>(grid_gap * longest_normal * stretch / ratio * (1 + 0x1p-20));
   for (int k = 0; k < 3; ++k) {
     for (int i = 0; i < 3; ++i) side.oblique[k][i] = static_cast<float>(0.5 * axes(i, k));
   }

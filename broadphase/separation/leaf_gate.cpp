@@ -2,9 +2,10 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/separation/leaf_gate.cpp"
-#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+#include <hwy/foreach_target.h>  // compiles the following once for every instruction set
 
 #include "broadphase/separation/leaf_gate.h"
+#include "src/limits.h"
 
 #include <hwy/highway.h>
 // clang-format on
@@ -13,6 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+namespace {
 
 using Lanes = hn::CappedTag<double, LeafLanes::width>;
 using Vec = hn::Vec<Lanes>;
@@ -36,7 +39,7 @@ HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
-/// One triangle a lane.
+/// One triangle per lane.
 struct Triangles {
   Vec3 corner[3];
 
@@ -44,7 +47,7 @@ struct Triangles {
   HWY_INLINE Vec3 edge(int k) const { return corner[(k + 1) % 3] - corner[k]; }
 };
 
-/// Lanes [first, first + lanes of the machine).
+/// Loads the lanes [first, first + lanes of the machine).
 HWY_INLINE Triangles load(const LeafLanes::Corners& corners, std::size_t first) {
   const Lanes d;
   Triangles t;
@@ -55,7 +58,7 @@ HWY_INLINE Triangles load(const LeafLanes::Corners& corners, std::size_t first) 
   return t;
 }
 
-/// The same triangle in all lanes.
+/// Returns the same triangle in all lanes.
 HWY_INLINE Triangles repeat(const LeafLanes::Corners& corners, int lane) {
   const Lanes d;
   Triangles t;
@@ -73,7 +76,7 @@ struct Test {
   Triangles a[kEnds], b[kEnds];
   Vec distance;
 
-  /// Lanes in which b stays above or below a by more than `required`; `project` maps a corner to its height.
+  /// Lanes in which b stays above or below a by more than `required`. `project` maps a corner to its height.
   template <class Project>
   HWY_INLINE Mask separated(const Vec& required, Project&& project) const {
     const Lanes d;
@@ -87,15 +90,18 @@ struct Test {
     return hn::Or(above, below);
   }
 
-  /// Along an axis of any length. Where underflow could have entered its norm or the projections it separates nothing.
+  /// Tests an axis of any length. Where underflow could have occurred in its norm or the projections, it separates
+  /// nothing.
   HWY_INLINE Mask separated_along(const Vec3& n) const {
     const Lanes d;
     const Vec squared = dot(n, n), required = hn::Mul(hn::Sqrt(squared), distance);
-    const Mask sound = hn::And(hn::Gt(squared, hn::Set(d, 1e-280)), hn::Gt(required, hn::Set(d, 1e-290)));
+    const Mask sound =
+        hn::And(hn::Gt(squared, hn::Set(d, smallest_square)), hn::Gt(required, hn::Set(d, smallest_product)));
     return hn::And(sound, separated(required, [&](const Vec3& x) { return dot(n, x); }));
   }
 
-  /// As it is in the middle of the interval, twice as large: what suits that often suits both ends.
+  /// Returns the triangles in the middle of the interval, twice as large. An axis for the middle often separates both
+  /// ends.
   static HWY_INLINE Triangles middle(const Triangles* t) {
     if (kEnds == 1) return t[0];
     Triangles m;
@@ -138,6 +144,8 @@ std::uint32_t not_apart(const LeafLanes& a, int lane, const LeafLanes& b, int co
   }
   return result & ((1U << count) - 1);
 }
+
+}  // namespace
 
 std::uint32_t lanes_not_apart(const LeafLanes& a, int lane, const LeafLanes& b, int count, int ends, double distance) {
   return ends == 1 ? not_apart<1>(a, lane, b, count, distance) : not_apart<2>(a, lane, b, count, distance);

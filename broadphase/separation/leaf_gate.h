@@ -21,11 +21,11 @@ struct LeafLanes {
   MovingTriangle triangle(int lane, int ends) const;
 };
 
-/// Bits of the `count` triangles of `b` that are not proven to stay farther than `distance` > 0 from triangle `lane` of
-/// `a`, by axes that are cheap to try for all of them at once: coordinates, the direction between the triangles, their
-/// normals, and cross products of their edges (at rest only). One axis has to separate all `ends`, 1 at rest or 2
-/// during an interval, in the same sense. `distance` covers rounding as for triangles_apart(). The same on every
-/// instruction set.
+/// Returns the bits of the `count` triangles of `b` that are not proven to stay farther than `distance` > 0 from
+/// triangle `lane` of `a`. It tries axes that are cheap for all of them at once: coordinates, the direction between the
+/// triangles, their normals, and cross products of their edges (at rest only). One axis has to separate all `ends`, 1
+/// at rest or 2 during an interval, in the same sense. `distance` covers rounding as for triangles_apart(). The result
+/// is the same on every instruction set.
 std::uint32_t lanes_not_apart(const LeafLanes& a, int lane, const LeafLanes& b, int count, int ends, double distance);
 
 }  // namespace encage

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "broadphase/motion/frame.h"
+#include "broadphase/motion/pose.h"
+#include "broadphase/motion/turned_box.h"
 #include "broadphase/separation/containment.h"
 #include "broadphase/separation/plane_check.h"
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/compound.h"
+#include "broadphase/shape/world_box.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace encage {
 namespace {
@@ -19,27 +20,22 @@ bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, co
          boxes_apart(world_box(a, motion_a), world_box(b, motion_b), margin);
 }
 
-/// Covers the error of the stored fine meshes; a pose stretches it by less than 1e-9.
-double fine_slack(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b) {
-  return (1 + 1e-8) * (motion_a.scale * a.fine_error + motion_b.scale * b.fine_error);
-}
-
-/// What the stages after the boxes share. Closed surfaces that never meet keep their places inside
-/// and outside of each other: that is asked at the start of the step only.
-class BodyPair {
+/// The data that the stages after the boxes share. Closed surfaces that never meet cannot enter or leave each other:
+/// containment is tested at the start of the step only.
+class PartPair {
  public:
-  BodyPair(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin)
+  PartPair(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b, double margin)
       : a_(a),
         b_(b),
         scale_a_(motion_a.scale),
         scale_b_(motion_b.scale),
-        motion_(pair_motion(a, motion_a, b, motion_b)),
-        b_to_a_(relative_frame(a, {motion_a.start, scale_a_}, b, {motion_b.start, scale_b_})),
-        a_to_b_(relative_frame(b, {motion_b.start, scale_b_}, a, {motion_a.start, scale_a_})),
-        distance_(required_distance(a, motion_a, b, motion_b, margin)),
-        fine_distance_(distance_ + fine_slack(a, motion_a, b, motion_b)) {}
+        motion_(pair_motion(a.frame, motion_a, b.frame, motion_b)),
+        b_to_a_(relative_frame(a.frame, {motion_a.start, scale_a_}, b.frame, {motion_b.start, scale_b_})),
+        a_to_b_(relative_frame(b.frame, {motion_b.start, scale_b_}, a.frame, {motion_a.start, scale_a_})),
+        distance_(required_distance(a.frame, motion_a, b.frame, motion_b, margin)),
+        fine_distance_(distance_ + a.error_in_world(scale_a_) + b.error_in_world(scale_b_)) {}
 
-  // Whether something is held may need a fine mesh: last.
+  // Containment in an unknown interior is tested last, since it may need a fine mesh.
   bool cages_apart(const Surface& of_a, const Surface& of_b) {
     const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
     return surfaces_apart(cage_a, cage_b, motion_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
@@ -57,7 +53,7 @@ class BodyPair {
   }
 
  private:
-  // Whether one may lie in the other's unknown interior.
+  // True if one body may lie in the other's unknown interior.
   bool hold(bool open_a, bool open_b) {
     if (!open_a && !open_b) return false;
     return !take_fine() || (open_a && could_hold(a_, scale_a_, motion_.a, b_, scale_b_, motion_.b, distance_)) ||
@@ -66,19 +62,19 @@ class BodyPair {
 
   bool take_fine() { return lease_a_.take(a_) && lease_b_.take(b_); }
 
-  const Shape& a_;
-  const Shape& b_;
+  const SimpleShape& a_;
+  const SimpleShape& b_;
   FineLease lease_a_, lease_b_;
   double scale_a_, scale_b_;
   PairMotion motion_;
-  PairFrame b_to_a_, a_to_b_;
+  AffineMap b_to_a_, a_to_b_;
   double distance_, fine_distance_;
 };
 
-/// The stages after the boxes, of simple shapes.
-Verdict simple_separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+/// Runs the stages after the boxes for simple shapes.
+Verdict simple_separated(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b,
                          const PairOptions& options) {
-  BodyPair pair(a, motion_a, b, motion_b, options.margin);
+  PartPair pair(a, motion_a, b, motion_b, options.margin);
   Verdict last;
   const bool fine = options.fine && a.has_fine() && b.has_fine();
   const bool cages = options.cages == CageUse::always ||
@@ -98,7 +94,7 @@ Verdict simple_separated(const Shape& a, const Motion& motion_a, const Shape& b,
 }
 
 Verdict simple_separated(const MovingPart& a, const HalfSpace& plane, double margin) {
-  const Shape& shape = *a.shape;
+  const SimpleShape& shape = *a.shape;
   const bool beyond = PlaneCheck(shape, a.motion, plane, margin + a.slack).beyond_throughout();
   if (!shape.has_fine() || (shape.on_demand && beyond)) return {beyond, Stage::cage, 0};
   if (!shape.on_demand) return {beyond, Stage::fine, -1};
@@ -107,7 +103,7 @@ Verdict simple_separated(const MovingPart& a, const HalfSpace& plane, double mar
           Stage::fine, -1};
 }
 
-/// The verdict about all parts: the first that is not separated, or the last stage that some part needed.
+/// Combines the verdicts of all parts: the first that is not separated, or the last stage that some part needed.
 class PartsVerdict {
  public:
   bool add(const Verdict& verdict) {
@@ -129,8 +125,8 @@ std::int32_t triangle_count(const Shape& shape) {
   return count;
 }
 
-/// What visit_candidates() asks about two parts.
-struct PartCandidates {
+/// visit_triangle_pairs() for two parts.
+struct PartTrianglePairs {
   const MovingPart& a;
   const MovingPart& b;
   bool (*visit)(void* context, TrianglePair pair);
@@ -139,13 +135,14 @@ struct PartCandidates {
   bool run(double margin) {
     if (!a.shape->has_fine() || !b.shape->has_fine()) return true;
     const FineLease lease_a(*a.shape), lease_b(*b.shape);
-    const double distance = required_distance(*a.shape, a.motion, *b.shape, b.motion, margin + a.slack + b.slack) +
-                            fine_slack(*a.shape, a.motion, *b.shape, b.motion);
+    const double distance =
+        required_distance(a.shape->frame, a.motion, b.shape->frame, b.motion, margin + a.slack + b.slack) +
+        a.shape->error_in_world(a.motion.scale) + b.shape->error_in_world(b.motion.scale);
     return visit_near_triangles(
         {a.shape->fine, a.motion.scale}, {b.shape->fine, b.motion.scale},
-        pair_motion(*a.shape, a.motion, *b.shape, b.motion), distance, Effort::full,
+        pair_motion(a.shape->frame, a.motion, b.shape->frame, b.motion), distance, Effort::full,
         [](void* c, std::int32_t i, std::int32_t j) {
-          const auto& [part_a, part_b, call, outer] = *static_cast<const PartCandidates*>(c);
+          const auto& [part_a, part_b, call, outer] = *static_cast<const PartTrianglePairs*>(c);
           return call(outer, {part_a.first_triangle + i, part_b.first_triangle + j});
         },
         this);
@@ -158,7 +155,9 @@ Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const 
                   const PairOptions& options) noexcept {
   if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.margin >= 0)) return {};
   if (options.boxes && body_boxes_apart(a, motion_a, b, motion_b, options.margin)) return {true, Stage::box, -1};
-  if (a.parts.empty() && b.parts.empty()) return simple_separated(a, motion_a, b, motion_b, options);
+  if (!a.is_compound() && !b.is_compound()) {
+    return simple_separated(a.simple(), motion_a, b.simple(), motion_b, options);
+  }
   PartsVerdict verdict;
   for_each_part_pair(a, motion_a, b, motion_b, options.margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
     PairOptions part_options = options;
@@ -181,8 +180,8 @@ Verdict separated(const Shape& a, const Motion& motion_a, const HalfSpace& plane
   return verdict.all();
 }
 
-bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
-                      bool (*visit)(void* context, TrianglePair pair), void* context) {
+bool visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
+                          bool (*visit)(void* context, TrianglePair pair), void* context) {
   if (!is_usable(motion_a) || !is_usable(motion_b) || !(margin >= 0)) {
     const std::int32_t count_a = triangle_count(a), count_b = triangle_count(b);
     for (std::int32_t i = 0; i < count_a; ++i) {
@@ -193,28 +192,8 @@ bool visit_candidates(const Shape& a, const Motion& motion_a, const Shape& b, co
     return true;
   }
   return for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
-    return PartCandidates{part_a, part_b, visit, context}.run(margin);
+    return PartTrianglePairs{part_a, part_b, visit, context}.run(margin);
   });
-}
-
-double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3d& pivot) noexcept {
-  if (motion.start.linear() == motion.end.linear()) return 0;
-  // The Frobenius norm of R1 - R0 is sqrt(8) sin(angle/2).
-  const double departure = departure_from_rigid(motion.start.linear()) + departure_from_rigid(motion.end.linear());
-  const double norm = (motion.end.linear() - motion.start.linear()).norm() + 2 * departure;
-  const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
-  const double cosine = std::sqrt((1 - sine) * (1 + sine));
-  // 1 - cos = sin^2 / (1 + cos): without cancellation.
-  double radius = 0;
-  for_each_part(shape, Motion{.scale = 1}, [&](const MovingPart& part) {
-    const Shape& of = *part.shape;
-    const Eigen::Vector3d origin = Placement(part.motion.start, part.motion.scale).origin(of);
-    radius = std::max(
-        radius, part.motion.scale * (of.outer().radius + of.outer_error()) + (origin - pivot).norm() + part.slack);
-    return true;
-  });
-  radius *= motion.scale;
-  return radius * (sine * sine / (1 + cosine)) * (1 + 1e-8);
 }
 
 }  // namespace encage

@@ -3,13 +3,14 @@
 
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/separation/leaf_gate.h"
+#include "src/limits.h"
 
 #include <cmath>
 
 namespace encage {
 namespace {
 
-/// The corners at the start, and at the end if there is another one.
+/// Computes the corners at the start, and at the end if `ends` is 2.
 void move(const ScaledSurface& surface, const std::array<AffineMap, 2>& maps, const LeafTriangle& triangle, int ends,
           MovingTriangle& moved) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -19,7 +20,7 @@ void move(const ScaledSurface& surface, const std::array<AffineMap, 2>& maps, co
   }
 }
 
-/// Tests the triangles of pairs of leaves.
+/// Tests the triangles of pairs of leaves against each other.
 struct LeafTest {
   const ScaledSurface& a;
   const ScaledSurface& b;
@@ -40,7 +41,7 @@ struct LeafTest {
     return lanes;
   }
 
-  /// For what lanes_not_apart() leaves.
+  /// Tests the pairs that lanes_not_apart() leaves.
   bool apart(const MovingTriangle& ta, const MovingTriangle& tb) const {
     if (motion.at_rest) return triangles_apart(ta.start, tb.start, distance);
     return effort == Effort::full && moving_triangles_apart(ta, tb, distance);
@@ -74,10 +75,10 @@ MovingTriangle moving_triangle(const ScaledSurface& surface, const std::array<Af
 bool balls_apart(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance) noexcept {
   const Eigen::Vector3d start = motion.b[0].offset - motion.a[0].offset, end = motion.b[1].offset - motion.a[1].offset;
   const Eigen::Vector3d axis = start + end;
-  // Twice: room for rounding of the radii's images; what it costs is nothing.
+  // The distance counts twice, which leaves room for the rounding of the images of the radii at no cost.
   const double required = (a.radius() + b.radius()) * (1 + 1e-8) + 2 * distance;
   const double scaled = axis.norm() * required;
-  return scaled > 1e-280 && axis.dot(start) > scaled && axis.dot(end) > scaled;
+  return scaled > smallest_square && axis.dot(start) > scaled && axis.dot(end) > scaled;
 }
 
 bool visit_near_triangles(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance,

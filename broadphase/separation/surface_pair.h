@@ -3,25 +3,26 @@
 
 #include "broadphase/motion/pair_motion.h"
 #include "broadphase/separation/triangle_pair.h"
+#include "broadphase/shape/shape.h"
 
 #include <algorithm>
 
 namespace encage {
 
-/// Where corners of triangles are at both ends of a step, in the common frame of a pair.
+/// Positions of a triangle's corners at both ends of a step, in the common frame of a pair.
 MovingTriangle moving_triangle(const ScaledSurface& surface, const std::array<AffineMap, 2>& maps,
                                const LeafTriangle& triangle) noexcept;
 
-/// True only if the balls about the local origins that hold the surfaces are proven to stay farther apart than
+/// True only if the balls about the local origins that contain the surfaces are proven to stay farther apart than
 /// `distance`.
 bool balls_apart(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance) noexcept;
 
-/// True only if every triangle of `a` is proven to stay farther than `distance` > 0
-/// from every triangle of `b`, both as computed in the common frame. `distance` has to
-/// cover rounding: required_distance(). Stops at the first pair without proof.
+/// True only if every triangle of `a` is proven to stay farther than `distance` > 0 from every triangle of `b`, both as
+/// computed in the common frame. `distance` has to cover rounding: required_distance(). Stops at the first pair without
+/// proof.
 bool surfaces_apart(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance) noexcept;
 
-/// How much work telling two moving triangles apart is worth.
+/// Amount of work spent on separating two moving triangles.
 enum class Effort {
   quick,  ///< lanes_not_apart()
   full,   ///< moving_triangles_apart()
@@ -30,14 +31,14 @@ enum class Effort {
 /// Triangles of the fine meshes; returns false to stop.
 using VisitTriangles = bool (*)(void* context, std::int32_t triangle_a, std::int32_t triangle_b);
 
-/// Visits the pairs of triangles that are not proven to stay farther apart than
-/// `distance`, in a fixed order. False if a visit stopped it.
+/// Visits the pairs of triangles that are not proven to stay farther apart than `distance`, in a fixed order. Returns
+/// false if a visitor stopped it.
 bool visit_near_triangles(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance,
                           Effort effort, VisitTriangles visit, void* context) noexcept;
 
-/// Cuts a step into intervals that are short enough for fixed axes to work well, leaves out those during which the
-/// balls about the local origins are proven farther apart than `distance`, and calls
-/// visit(t0, t1) -> bool for the others in order, until it returns false. False if it did.
+/// Divides a step into intervals that are short enough for fixed axes to work well, leaves out those during which the
+/// balls about the local origins are proven farther apart than `distance`, and calls visit(t0, t1) -> bool for the
+/// others in order, until it returns false. Returns false if visit did.
 template <class Visit>
 bool visit_intervals(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance,
                      Visit&& visit, double t0 = 0, double t1 = 1) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/separation/triangle_pair.h"
 
+#include "src/limits.h"
 #include "src/mesh/segments.h"
 
 #include <Eigen/Geometry>
@@ -14,18 +15,18 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-/// Whether b lies beyond a along n, by more than `required`.
+/// True if b lies beyond a along n by more than `required`.
 bool beyond(const Vector& n, const TriangleD& a, const TriangleD& b, double required) {
   const double a0 = n.dot(a[0]), a1 = n.dot(a[1]), a2 = n.dot(a[2]);
   const double b0 = n.dot(b[0]), b1 = n.dot(b[1]), b2 = n.dot(b[2]);
   return std::min({b0, b1, b2}) - std::max({a0, a1, a2}) > required;
 }
 
-/// |n| distance, or infinity where underflow could have entered the norm or the projections.
+/// Returns |n| distance, or infinity where underflow could have occurred in the norm or the projections.
 double required_on(const Vector& n, double distance) {
   const double squared = n.squaredNorm();
   const double required = std::sqrt(squared) * distance;
-  return squared > 1e-280 && required > 1e-290 ? required : std::numeric_limits<double>::infinity();
+  return squared > smallest_square && required > smallest_product ? required : std::numeric_limits<double>::infinity();
 }
 
 bool axis_separates(const Vector& n, const TriangleD& a, const TriangleD& b, double distance) {
@@ -33,7 +34,7 @@ bool axis_separates(const Vector& n, const TriangleD& a, const TriangleD& b, dou
   return beyond(n, a, b, required) || beyond(n, b, a, required);
 }
 
-/// Two motions of which both ends have to be told apart by one axis, in one sense.
+/// Two motions whose ends one axis has to separate, both in the same sense.
 struct Piece {
   const MovingTriangle& a;
   const MovingTriangle& b;
@@ -48,14 +49,14 @@ struct Piece {
 
 TriangleD middle(const MovingTriangle& t) { return {t.corner(0, 0.5), t.corner(1, 0.5), t.corner(2, 0.5)}; }
 
-/// From a closest point of segment p0 p1 to one of segment q0 q1, up to rounding.
+/// Vector from a closest point of segment p0 p1 to one of segment q0 q1, up to rounding.
 Vector closest_difference(const Vector& p0, const Vector& p1, const Vector& q0, const Vector& q1) {
   const Vector u = p1 - p0, v = q1 - q0;
-  const auto [s, t] = closest_places(u, v, p0 - q0);
+  const auto [s, t] = closest_parameters(u, v, p0 - q0);
   return (q0 + t * v) - (p0 + s * u);
 }
 
-/// Calls separates(axis) for the axes that suffice for triangles at rest, until one does.
+/// Calls separates(axis) for the axes that suffice for triangles at rest, until one separates.
 template <class Separates>
 bool any_axis(const TriangleD& a, const TriangleD& b, Separates&& separates) {
   const std::array<Vector, 3> ea = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
@@ -89,7 +90,7 @@ bool apart_in(const MovingTriangle& a, const MovingTriangle& b, double distance,
   const auto separates = [&](const Vector& n) { return piece.separated_by(n); };
   if (separates(middle_b[0] + middle_b[1] + middle_b[2] - (middle_a[0] + middle_a[1] + middle_a[2]))) return true;
   if (any_axis(middle_a, middle_b, separates)) return true;
-  // Nothing that is too near in the middle becomes separable by shorter intervals.
+  // Triangles that are too near in the middle cannot be separated on shorter intervals either.
   if (depth == longest_bisection || !triangles_apart(middle_a, middle_b, distance)) return false;
   return apart_in({a.start, middle_a}, {b.start, middle_b}, distance, depth + 1) &&
          apart_in({middle_a, a.end}, {middle_b, b.end}, distance, depth + 1);

@@ -9,24 +9,22 @@ namespace encage {
 
 using TriangleD = std::array<Eigen::Vector3d, 3>;
 
-/// A triangle whose corners move linearly between two places.
+/// A triangle whose corners move linearly between two positions.
 struct MovingTriangle {
   TriangleD start, end;
 
   Eigen::Vector3d corner(int k, double t) const { return (1 - t) * start[k] + t * end[k]; }
 };
 
-/// True only if some axis separates the projections of the triangles by more
-/// than `distance` > 0. Any axis gives a sound proof, whatever rounding did to
-/// it; `distance` has to cover the rounding of projections (4 eps times the
-/// largest norm of a corner, for each triangle). The axes tried suffice in
-/// exact arithmetic: whichever features are closest, face and vertex, two
-/// edges, or edge ends, their direction is among them. Degenerate triangles are allowed.
+/// True only if some axis separates the projections of the triangles by more than `distance` > 0. Any axis gives a
+/// sound proof, even if it was rounded; `distance` has to cover the rounding of projections (4 eps times the largest
+/// norm of a corner, for each triangle). The axes tried suffice in exact arithmetic: whichever features are closest,
+/// face and vertex, two edges, or edge ends, their direction is among them. Degenerate triangles are allowed.
 bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) noexcept;
 
-/// True only if the triangles stay farther apart than `distance` > 0 while they
-/// move. Cuts time into halves, 2^-8 at the shortest, and looks for one axis
-/// for each piece that separates both its ends, hence all between. `distance` covers rounding as above.
+/// True only if the triangles stay farther apart than `distance` > 0 while they move. Bisects time into pieces no
+/// shorter than 2^-8 and searches, for each piece, for one axis that separates both its ends, hence all times between.
+/// `distance` covers rounding as above.
 bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept;
 
 }  // namespace encage

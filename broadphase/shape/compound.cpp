@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/shape/compound.h"
 
-#include "broadphase/motion/frame.h"
+#include "broadphase/motion/pose.h"
 #include "broadphase/motion/turned_box.h"
 #include "src/files/number_text.h"
+#include "src/limits.h"
 
 #include <encage/error.h>
 
@@ -20,39 +21,40 @@
 namespace encage {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-
-// Far below what the whole's pose may depart from rigid: the product of both stays usable.
+// Far below the departure from rigid that a pose of the compound may have: the product of both stays usable.
 constexpr double most_departure = 1e-12, most_departure_in_nests = 1e-10;
 
 std::string name(std::size_t part) { return "part " + std::to_string(part) + ": "; }
 
-/// `place` is how the message starts.
-void check_scale(double scale, const std::string& place) {
-  if (scale >= 1e-50 && scale <= 1e50) return;
-  throw Error(place + "the scale is " + number_text(scale) + ", not between 1e-50 and 1e50");
+// Messages start with `part`.
+
+void check_scale(double scale, const std::string& part) {
+  if (scale >= smallest_scale && scale <= largest_scale) return;
+  throw Error(part + "the scale is " + number_text(scale) + ", not between 1e-50 and 1e50");
+}
+
+void check_pose(const Eigen::Isometry3d& pose, double departure, const std::string& part, const char* which) {
+  if (is_usable(pose) && departure_from_rigid(pose.linear()) <= departure) return;
+  if (is_mirrored(pose)) throw Error(part + which + " mirrors it");
+  throw Error(part + which + " is not finite, beyond 1e150 or farther than " + number_text(departure) + " from rigid");
 }
 
 void check(const CompoundPart& part, std::size_t i) {
   if (!part.shape) throw Error(name(i) + "no shape");
-  if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > most_departure) {
-    throw Error(name(i) + "the pose is not finite, beyond 1e150 or farther than 1e-12 from rigid");
-  }
+  check_pose(part.pose, most_departure, name(i), "the pose");
   check_scale(part.scale, name(i));
 }
 
-/// As it is in the whole, whatever the compounds between are.
-void check(const ShapePart& part, const std::string& place) {
-  check_scale(part.scale, place);
-  if (!is_usable(part.pose) || departure_from_rigid(part.pose.linear()) > most_departure_in_nests) {
-    throw Error(place + "the pose in the whole is not finite, beyond 1e150 or farther than 1e-10 from rigid");
-  }
-  if (!(part.reach <= largest_length)) {
-    throw Error(place + "it reaches " + number_text(part.reach) + " from the origin, farther than 1e150");
+/// Checks the part's pose and scale relative to the compound, after all nested compounds around it.
+void check(const ShapePart& shape, const std::string& part) {
+  check_scale(shape.scale, part);
+  check_pose(shape.pose, most_departure_in_nests, part, "the pose in the whole");
+  if (!(shape.reach <= largest_length)) {
+    throw Error(part + "it reaches " + number_text(shape.reach) + " from the origin, farther than 1e150");
   }
 }
 
-/// x -> outer(inner(x)), rounded.
+/// Returns x -> outer(inner(x)), rounded.
 Eigen::Isometry3d placed(const Eigen::Isometry3d& outer, double outer_scale, const Eigen::Isometry3d& inner) {
   Eigen::Isometry3d pose;
   pose.linear() = outer.linear() * inner.linear();
@@ -61,22 +63,22 @@ Eigen::Isometry3d placed(const Eigen::Isometry3d& outer, double outer_scale, con
   return pose;
 }
 
-/// Halves by the longest extent of the middles of boxes: leaves first to last below node `n`.
+/// Builds the tree of the parts: it halves them along the longest extent of the centres of their boxes.
 class TreeBuilder {
  public:
-  explicit TreeBuilder(Shape& shape) : shape_(shape) {
+  explicit TreeBuilder(CompoundShape& shape) : shape_(shape) {
     for (std::size_t i = 0; i < shape.parts.size(); ++i) order_.push_back(static_cast<std::int32_t>(i));
-    shape_.part_nodes.reserve(2 * order_.size());
+    shape_.nodes.reserve(2 * order_.size());
     add(order_);
   }
 
  private:
   std::int32_t add(std::span<std::int32_t> parts) {
-    const auto n = static_cast<std::int32_t>(shape_.part_nodes.size());
-    shape_.part_nodes.emplace_back();
+    const auto n = static_cast<std::int32_t>(shape_.nodes.size());
+    shape_.nodes.emplace_back();
     if (parts.size() == 1) {
-      shape_.part_nodes[n].box = box(parts[0]);
-      shape_.part_nodes[n].part = parts[0];
+      shape_.nodes[n].box = box(parts[0]);
+      shape_.nodes[n].part = parts[0];
       return n;
     }
     Eigen::AlignedBox3d all, middles;
@@ -93,14 +95,14 @@ class TreeBuilder {
                        return at_x != at_y ? at_x < at_y : x < y;
                      });
     const std::int32_t first = add(parts.first(half)), second = add(parts.subspan(half));
-    shape_.part_nodes[n].box = all;
-    shape_.part_nodes[n].children = {first, second};
+    shape_.nodes[n].box = all;
+    shape_.nodes[n].children = {first, second};
     return n;
   }
 
   const Eigen::AlignedBox3d& box(std::int32_t part) const { return shape_.parts[static_cast<std::size_t>(part)].box; }
 
-  Shape& shape_;
+  CompoundShape& shape_;
   std::vector<std::int32_t> order_;
 };
 
@@ -110,10 +112,10 @@ std::int32_t add_count(std::int64_t before, std::size_t more, const char* what) 
   return static_cast<std::int32_t>(sum);
 }
 
-/// Adds a simple shape. What placed() rounds for each compound around it, as for the whole, is in the box.
-void add_part(Shape& compound, ShapePart part, const std::string& place, std::int32_t& triangles,
+/// Adds a simple shape. Its box covers the rounding of placed() for each compound around it.
+void add_part(CompoundShape& compound, ShapePart part, const std::string& name, std::int32_t& triangles,
               std::int32_t& vertices) {
-  check(part, place);
+  check(part, name);
   const Eigen::Vector3d slack = Eigen::Vector3d::Constant(32 * eps * part.nesting * part.reach);
   part.box = world_box(*part.shape, Motion::resting(part.pose, part.scale));
   part.box = {part.box.min() - slack, part.box.max() + slack};
@@ -125,23 +127,25 @@ void add_part(Shape& compound, ShapePart part, const std::string& place, std::in
   compound.parts.push_back(std::move(part));
 }
 
-/// Adds part `i`, or its own parts.
-void flatten(Shape& compound, const CompoundPart& part, std::size_t i, std::int32_t& triangles,
+/// Adds part `i`, or the parts of a nested compound.
+void flatten(CompoundShape& compound, const CompoundPart& part, std::size_t i, std::int32_t& triangles,
              std::int32_t& vertices) {
   const double offset = part.pose.translation().norm();
-  if (part.shape->parts.empty()) {
-    const double reach = offset + part.scale * (part.shape->origin.norm() + part.shape->radius);
-    add_part(compound, {part.shape, part.pose, part.scale, {}, reach, 0, 0, 0}, name(i), triangles, vertices);
+  if (!part.shape->is_compound()) {
+    std::shared_ptr<const SimpleShape> shape(part.shape, &part.shape->simple());
+    const double reach = offset + part.scale * shape->frame.reach();
+    add_part(compound, {std::move(shape), part.pose, part.scale, {}, reach, 0, 0, 0}, name(i), triangles, vertices);
     return;
   }
-  for (std::size_t k = 0; k < part.shape->parts.size(); ++k) {
-    const ShapePart& inner = part.shape->parts[k];
+  const std::vector<ShapePart>& parts = part.shape->compound().parts;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const ShapePart& inner = parts[k];
     add_part(compound,
              {inner.shape,
               placed(part.pose, part.scale, inner.pose),
               part.scale * inner.scale,
               {},
-              offset + part.scale * inner.reach,  // even where places cancel
+              offset + part.scale * inner.reach,  // also where positions cancel
               inner.nesting + 1,
               0,
               0},
@@ -149,24 +153,20 @@ void flatten(Shape& compound, const CompoundPart& part, std::size_t i, std::int3
   }
 }
 
-Eigen::AlignedBox3d swept_box(const Eigen::AlignedBox3d& box, const Motion& motion) {
-  const Eigen::AlignedBox3d start = turned_box(box, motion.start, motion.scale);
-  return motion.at_rest() ? start : start.merged(turned_box(box, motion.end, motion.scale));
-}
-
-/// Visits the parts of which boxes are not proven apart from `other`, until false.
+/// Visits the parts whose boxes are not proven apart from `other`, until a visitor returns false.
 template <class Visit>
 bool visit_near_parts(const Shape& shape, const Motion& motion, const Eigen::AlignedBox3d& other, double margin,
                       Visit&& visit) {
-  if (shape.parts.empty()) return visit(MovingPart{&shape, motion});
+  if (!shape.is_compound()) return visit(MovingPart{&shape.simple(), motion});
+  const CompoundShape& compound = shape.compound();
   std::array<std::int32_t, 66> stack;  // the tree is balanced
   int size = 0;
   stack[size++] = 0;
   while (size > 0) {
-    const PartNode& node = shape.part_nodes[static_cast<std::size_t>(stack[--size])];
+    const PartNode& node = compound.nodes[static_cast<std::size_t>(stack[--size])];
     if (boxes_apart(swept_box(node.box, motion), other, margin)) continue;
     if (node.part >= 0) {
-      if (!visit(moving_part(shape, static_cast<std::size_t>(node.part), motion))) return false;
+      if (!visit(moving_part(compound, static_cast<std::size_t>(node.part), motion))) return false;
     } else {
       stack[size++] = node.children[1];
       stack[size++] = node.children[0];
@@ -179,7 +179,7 @@ bool visit_near_parts(const Shape& shape, const Motion& motion, const Eigen::Ali
 
 ShapePtr make_compound(std::span<const CompoundPart> parts) {
   if (parts.empty()) throw Error("compound: no parts");
-  const auto shape = std::make_shared<Shape>();
+  const auto shape = std::make_shared<CompoundShape>();
   std::int32_t triangles = 0, vertices = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     check(parts[i], i);
@@ -190,22 +190,40 @@ ShapePtr make_compound(std::span<const CompoundPart> parts) {
 }
 
 std::int64_t part_count(const Shape& shape) noexcept {
-  return shape.parts.empty() ? 1 : static_cast<std::int64_t>(shape.parts.size());
+  return shape.is_compound() ? static_cast<std::int64_t>(shape.compound().parts.size()) : 1;
+}
+
+int level_count(const Shape& shape) noexcept {
+  if (!shape.is_compound()) return static_cast<int>(shape.simple().cages.size());
+  int count = 0;
+  for (const ShapePart& part : shape.compound().parts) count = std::max(count, level_count(*part.shape));
+  return count;
+}
+
+std::int64_t level_triangles(const Shape& shape, int level) noexcept {
+  if (!shape.is_compound()) return static_cast<std::int64_t>(shape.simple().cages[level].mesh.triangles.size());
+  std::int64_t count = 0;
+  for (const ShapePart& part : shape.compound().parts) {
+    const int levels = level_count(*part.shape);
+    if (levels > 0) count += level_triangles(*part.shape, std::min(level, levels - 1));
+  }
+  return count;
 }
 
 PartTriangle part_triangle(const Shape& shape, std::int32_t triangle) noexcept {
-  if (shape.parts.empty()) return {0, triangle};
-  const std::size_t part = part_of_triangle(shape, triangle);
-  return {static_cast<std::int32_t>(part), triangle - shape.parts[part].first_triangle};
+  if (!shape.is_compound()) return {0, triangle};
+  const CompoundShape& compound = shape.compound();
+  const std::size_t part = part_of_triangle(compound, triangle);
+  return {static_cast<std::int32_t>(part), triangle - compound.parts[part].first_triangle};
 }
 
-std::size_t part_of_triangle(const Shape& compound, std::int32_t triangle) noexcept {
+std::size_t part_of_triangle(const CompoundShape& compound, std::int32_t triangle) noexcept {
   const auto after = std::upper_bound(compound.parts.begin(), compound.parts.end(), triangle,
                                       [](std::int32_t t, const ShapePart& part) { return t < part.first_triangle; });
   return static_cast<std::size_t>(after - compound.parts.begin()) - 1;
 }
 
-MovingPart moving_part(const Shape& compound, std::size_t index, const Motion& motion) noexcept {
+MovingPart moving_part(const CompoundShape& compound, std::size_t index, const Motion& motion) noexcept {
   const ShapePart& part = compound.parts[index];
   MovingPart moving;
   moving.shape = part.shape.get();
@@ -213,29 +231,20 @@ MovingPart moving_part(const Shape& compound, std::size_t index, const Motion& m
   moving.motion.end = motion.at_rest() ? moving.motion.start : placed(motion.end, motion.scale, part.pose);
   moving.motion.scale = motion.scale * part.scale;
   const double far = std::max(motion.start.translation().norm(), motion.end.translation().norm());
-  // docs/guarantee.md, "Compounds".
+  // docs/guarantee.md, "Compounds", derives this bound.
   moving.slack = 32 * eps * (1 + part.nesting) * (motion.scale * part.reach + far);
   moving.first_triangle = part.first_triangle;
   moving.first_vertex = part.first_vertex;
   return moving;
 }
 
-Eigen::AlignedBox3d compound_box(const Shape& compound, const Motion& motion) noexcept {
-  constexpr std::size_t few = 32;
-  if (compound.parts.size() > few) return swept_box(compound.part_nodes.front().box, motion);
-  Eigen::AlignedBox3d all;
-  for (std::size_t i = 0; i < compound.parts.size(); ++i) {
-    const MovingPart part = moving_part(compound, i, motion);
-    const Eigen::AlignedBox3d box = world_box(*part.shape, part.motion);
-    all.extend(box.min() - Eigen::Vector3d::Constant(part.slack))
-        .extend(box.max() + Eigen::Vector3d::Constant(part.slack));
-  }
-  return all;
-}
-
 double size_in_world(const Shape& shape, const Motion& motion) noexcept {
-  double reach = shape.radius + shape.origin.norm();
-  for (const ShapePart& part : shape.parts) reach = std::max(reach, part.reach);
+  double reach = 0;
+  if (shape.is_compound()) {
+    for (const ShapePart& part : shape.compound().parts) reach = std::max(reach, part.reach);
+  } else {
+    reach = shape.simple().frame.reach();
+  }
   return motion.scale * reach + std::max(motion.start.translation().norm(), motion.end.translation().norm());
 }
 

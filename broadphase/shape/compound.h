@@ -7,30 +7,32 @@
 
 namespace encage {
 
-/// One rigid part of a body as queries take it: a simple shape and its motion. Of a simple shape the whole is the part.
+/// One rigid part of a body as queries use it: a simple shape and its motion. A simple shape is its own only part.
 struct ENCAGE_HIDDEN MovingPart {
-  const Shape* shape = nullptr;
+  const SimpleShape* shape = nullptr;
   Motion motion;
-  double slack = 0;                 ///< how far the computed motion may lead a point from its exact place
-  std::int32_t first_triangle = 0;  ///< of the fine mesh, as the whole body counts them
+  double slack = 0;                 ///< bounds how far the computed motion leads a point from its exact position
+  std::int32_t first_triangle = 0;  ///< first triangle of the part's fine mesh, in the numbering of the whole body
   std::int32_t first_vertex = 0;
 };
 
-/// Part `index` of a compound that moves.
-MovingPart moving_part(const Shape& compound, std::size_t index, const Motion& motion) noexcept;
+/// Returns part `index` of a compound that moves.
+MovingPart moving_part(const CompoundShape& compound, std::size_t index, const Motion& motion) noexcept;
 
 using VisitParts = bool (*)(void* context, const MovingPart& a, const MovingPart& b);
 
-/// Calls visit for the pairs of parts of which boxes do not prove a distance of more than `margin`, until it returns
+/// Calls visit for the pairs of parts whose boxes do not prove a distance of more than `margin`, until it returns
 /// false; returns false if it did. One of the shapes, or both, are compounds; the motions are usable.
 bool visit_parts(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
                  VisitParts visit, void* context);
 
-/// visit_parts() with any function; for simple shapes one call with the shapes themselves.
+/// visit_parts() with any function. For simple shapes it makes one call with the shapes themselves.
 template <class Visit>
 bool for_each_part_pair(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
                         Visit&& visit) {
-  if (a.parts.empty() && b.parts.empty()) return visit(MovingPart{&a, motion_a}, MovingPart{&b, motion_b});
+  if (!a.is_compound() && !b.is_compound()) {
+    return visit(MovingPart{&a.simple(), motion_a}, MovingPart{&b.simple(), motion_b});
+  }
   return visit_parts(
       a, motion_a, b, motion_b, margin,
       [](void* context, const MovingPart& part_a, const MovingPart& part_b) {
@@ -42,20 +44,18 @@ bool for_each_part_pair(const Shape& a, const Motion& motion_a, const Shape& b, 
 /// Calls visit(const MovingPart&) -> bool for every part until it returns false; returns false if it did.
 template <class Visit>
 bool for_each_part(const Shape& shape, const Motion& motion, Visit&& visit) {
-  if (shape.parts.empty()) return visit(MovingPart{&shape, motion});
-  for (std::size_t i = 0; i < shape.parts.size(); ++i) {
-    if (!visit(moving_part(shape, i, motion))) return false;
+  if (!shape.is_compound()) return visit(MovingPart{&shape.simple(), motion});
+  const CompoundShape& compound = shape.compound();
+  for (std::size_t i = 0; i < compound.parts.size(); ++i) {
+    if (!visit(moving_part(compound, i, motion))) return false;
   }
   return true;
 }
 
-/// world_box() of a compound.
-Eigen::AlignedBox3d compound_box(const Shape& compound, const Motion& motion) noexcept;
-
-/// Sum of the sizes that places of the body in the world are computed from, at most.
+/// Bounds the sum of the magnitudes from which positions of the body's points in the world are computed.
 double size_in_world(const Shape& shape, const Motion& motion) noexcept;
 
-/// The part that has a triangle of the whole: an index of Shape::parts.
-std::size_t part_of_triangle(const Shape& compound, std::int32_t triangle) noexcept;
+/// Returns the index in CompoundShape::parts of the part that contains a triangle of the compound.
+std::size_t part_of_triangle(const CompoundShape& compound, std::int32_t triangle) noexcept;
 
 }  // namespace encage

@@ -62,7 +62,7 @@ void MeshBudget::make_resident(OnDemandMesh& mesh) {
   resident_.reserve(resident_.size() + 1);
   make_room(mesh.bytes_);
   const std::int64_t bytes = mesh.load();
-  if (bytes != mesh.bytes_) {  // built: larger than what it was built of
+  if (bytes != mesh.bytes_) {  // its tree was built, which makes it larger than its size in the file
     auto own = sizes_.extract(mesh.bytes_);
     try {
       check_room(bytes, mesh.file_ + ": the fine mesh needs " + in_bytes(bytes) + " with its tree");
@@ -116,7 +116,7 @@ bool MeshBudget::evict_oldest() noexcept {
     if (oldest == none) return false;
     OnDemandMesh& mesh = *resident_[oldest];
     mesh.resident_.store(false);
-    if (mesh.pins_.load() != 0) {  // meanwhile
+    if (mesh.pins_.load() != 0) {  // pinned meanwhile
       mesh.resident_.store(true);
       continue;
     }
@@ -142,7 +142,7 @@ ShapeCacheStatistics MeshBudget::statistics() const {
 
 // ---- OnDemandMesh ----------------------------------------------------------
 
-OnDemandMesh::OnDemandMesh(Shape& shape, std::string file, std::shared_ptr<MeshBudget> budget)
+OnDemandMesh::OnDemandMesh(SimpleShape& shape, std::string file, std::shared_ptr<MeshBudget> budget)
     : shape_(shape), file_(std::move(file)), budget_(std::move(budget)), bytes_(shape.asset->fine_bytes()) {
   budget_->add(*this, file_);
 }
@@ -167,7 +167,8 @@ void OnDemandMesh::unpin() noexcept {
   budget_->settle();
 }
 
-// Shape::fine is written only while nobody may look at it. In place it is the same each time.
+// SimpleShape::fine is written only while no query may read it. A mesh that is used in place has the same value each
+// time.
 std::int64_t OnDemandMesh::load() {
   AssetView& asset = *shape_.asset;
   std::int64_t bytes = bytes_;
@@ -184,7 +185,7 @@ std::int64_t OnDemandMesh::load() {
         view = arrays_->view();
       }
       Surface fine(*view);
-      if (fine.radius > shape_.radius) throw Error(file_ + ": " + fine_name + ": reaches beyond the cages");
+      if (fine.radius > shape_.frame.radius) throw Error(file_ + ": " + fine_name + ": reaches beyond the cages");
       shape_.fine = fine;
       if (arrays_) asset.discard_fine();
     }
@@ -206,14 +207,23 @@ void OnDemandMesh::drop() noexcept {
 
 // ---- FineLease -------------------------------------------------------------
 
+namespace {
+
+OnDemandMesh* mesh_on_demand(const Shape& shape) {
+  return shape.is_compound() ? nullptr : shape.simple().on_demand.get();
+}
+
+}  // namespace
+
 FineLease::FineLease(const Shape& shape) {
-  if (!shape.on_demand) return;
-  shape.on_demand->pin();
-  mesh_ = shape.on_demand.get();
+  OnDemandMesh* const mesh = mesh_on_demand(shape);
+  if (!mesh) return;
+  mesh->pin();
+  mesh_ = mesh;
 }
 
 bool FineLease::take(const Shape& shape) noexcept {
-  if (mesh_ || !shape.on_demand) return true;
+  if (mesh_ || !mesh_on_demand(shape)) return true;
   try {
     *this = FineLease(shape);
   } catch (const std::exception&) {

@@ -2,7 +2,7 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/shape/outline.cpp"
-#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+#include <hwy/foreach_target.h>  // compiles the following once for every instruction set
 
 #include "broadphase/shape/outline.h"
 
@@ -14,7 +14,7 @@ namespace encage::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Lanes at once, at most: the points are padded to a multiple.
+/// Largest number of lanes; the points are padded to a multiple of it.
 constexpr std::size_t block = 8;
 
 void extents(const float* x, const float* y, const float* z, std::size_t count, const float (*rows)[3], float* low,

@@ -9,15 +9,14 @@
 
 namespace encage {
 
-/// A few points whose convex hull holds a body: for its world boxes.
+/// A few points whose convex hull contains a body, for its world boxes.
 class Outline {
  public:
   Outline() = default;
   explicit Outline(std::span<const std::array<float, 3>> points);
 
   bool empty() const { return x_.empty(); }
-  /// Least and largest coordinates of `rotation` times the points, no more than 2^-20 of the
-  /// largest norm of a point off.
+  /// Least and largest coordinates of `rotation` times the points, off by at most 2^-20 of the largest norm of a point.
   void extents(const Eigen::Matrix3d& rotation, Eigen::Vector3d& low, Eigen::Vector3d& high) const noexcept;
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/shape/shape.h"
 
+#include "src/limits.h"
 #include "src/mesh/rounding.h"
 
 #include <encage/error.h>
@@ -15,7 +16,7 @@
 namespace encage {
 namespace {
 
-/// What can go wrong before coordinates are rounded.
+/// Throws Error for a mesh that cannot be used, before coordinates are rounded.
 void check_mesh(const TriangleMesh& mesh) {
   const auto fail = [](const std::string& what, std::int64_t n, const std::string& why) {
     throw Error("mesh: " + what + " " + std::to_string(n) + " " + why);
@@ -29,13 +30,13 @@ void check_mesh(const TriangleMesh& mesh) {
   }
   for (std::int64_t v = 0; v < count; ++v) {
     if (!mesh.vertices.row(v).allFinite()) fail("vertex", v, "is not finite");
-    if (mesh.vertices.row(v).cwiseAbs().maxCoeff() > 1e37) fail("vertex", v, "is too large for float32");
+    if (mesh.vertices.row(v).cwiseAbs().maxCoeff() > largest_coordinate) fail("vertex", v, "is too large for float32");
   }
   if (mesh.triangles.rows() == 0) throw Error("mesh: no triangles");
 }
 
-/// Everything but the surfaces; what a reader has checked holds for hierarchies made otherwise, too.
-std::shared_ptr<Shape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
+/// Fills in everything but the surfaces. It repeats the checks of the reader for hierarchies from other sources.
+std::shared_ptr<SimpleShape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
   if (levels > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
   if (!(summary.origin.array().abs() <= largest_length).all()) {
     throw Error("hierarchy: the origin is not finite or beyond 1e150");
@@ -43,23 +44,23 @@ std::shared_ptr<Shape> describe(const AssetSummary& summary, std::size_t levels,
   if (!(summary.fine_error >= 0) || std::isinf(summary.fine_error)) {
     throw Error("hierarchy: fine_error is not a finite distance");
   }
-  auto shape = std::make_shared<Shape>();
-  shape->origin = summary.origin;
+  auto shape = std::make_shared<SimpleShape>();
+  shape->frame.origin = summary.origin;
   shape->solid = summary.solid;
   shape->hollow = options.hollow;
   shape->fine_error = summary.fine_error;
   return shape;
 }
 
-void add_cage(Shape& shape, const MeshArraysView& arrays) {
+void add_cage(SimpleShape& shape, const MeshArraysView& arrays) {
   shape.cages.emplace_back(arrays);
-  shape.radius = std::max(shape.radius, shape.cages.back().radius);
+  shape.frame.radius = std::max(shape.frame.radius, shape.cages.back().radius);
   if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
 }
 
 constexpr std::size_t most_points = 1024;
 
-/// Corners of boxes of the tree that hold the surface, the largest boxes being opened first.
+/// Returns the corners of tree boxes that together contain the surface. The largest boxes are opened first.
 std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
   struct Lane {
     float size;
@@ -107,14 +108,15 @@ std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
   return corners;
 }
 
-/// The fine mesh, or else the finest cage that has few vertices: near the body, and quick to project. Without one,
-/// boxes around the finest surface.
-void set_outline(Shape& shape) {
+/// The outline is the fine mesh, or else the finest cage, if it has few vertices: near the body, and quick to project.
+/// Otherwise boxes around the finest surface serve.
+void set_outline(SimpleShape& shape) {
   const auto set = [&](std::span<const std::array<float, 3>> points) {
     double squared = 0;
-    for (const auto& p : points)
+    for (const auto& p : points) {
       squared = std::max(squared, Eigen::Map<const Eigen::Vector3f>(p.data()).cast<double>().squaredNorm());
-    const double radius = std::sqrt(squared) * (1 + 8 * std::numeric_limits<double>::epsilon());
+    }
+    const double radius = std::sqrt(squared) * (1 + 8 * eps);
     if (!(radius < 1e30)) return;
     shape.outline = Outline(points);
     shape.outline_radius = radius;
@@ -128,14 +130,14 @@ void set_outline(Shape& shape) {
   if (std::none_of(shape.cages.begin(), shape.cages.end(), fits)) set(box_corners(shape.outer()));
 }
 
-void set_fine(Shape& shape, const MeshArraysView& arrays) {
+void set_fine(SimpleShape& shape, const MeshArraysView& arrays) {
   shape.fine = Surface(arrays);
   shape.fine_triangles = arrays.mesh.triangles.size();
   shape.fine_vertices = arrays.mesh.vertices.size();
-  shape.radius = std::max(shape.radius, shape.fine.radius);
+  shape.frame.radius = std::max(shape.frame.radius, shape.fine.radius);
 }
 
-MeshArraysView keep(Shape& shape, MeshArrays arrays) {
+MeshArraysView keep(SimpleShape& shape, MeshArrays arrays) {
   return shape.owned_arrays.emplace_back(std::move(arrays)).view();
 }
 
@@ -146,7 +148,7 @@ Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     squared = std::max(squared, vertex(static_cast<std::int32_t>(v)).squaredNorm());
   }
-  radius = std::sqrt(squared) * (1 + 8 * std::numeric_limits<double>::epsilon());
+  radius = std::sqrt(squared) * (1 + 8 * eps);
   closed = std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.closed == 1; });
   const MeshNode& root = tree.nodes[0];
   for (int axis = 0; axis < 3; ++axis) {
@@ -217,7 +219,7 @@ ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& optio
   if (!fine && view.level_count() == 0) throw Error(file.string() + ": neither cages nor a fine mesh");
   return load_named(file, [&]() -> ShapePtr {
     const auto shape = describe(view.summary(), view.level_count(), options);
-    // Assets from before trees were stored have none.
+    // Assets of versions that stored no trees have none.
     const auto finest = fine ? view.fine_arrays() : view.cage_arrays(0);
     if (!finest) return make_shape(copy_hierarchy(view), options);
     if (fine) set_fine(*shape, *finest);
@@ -241,33 +243,17 @@ ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& optio
       add_cage(*shape,
                stored ? stored_cage(view, k) : keep(*shape, make_mesh_arrays(copy_mesh(view.cage(k)), cage_name(k))));
     }
-    // Cages enclose the source, which is no farther than that from the fine mesh.
-    shape->radius = (shape->radius + shape->fine_error) * (1 + 16 * std::numeric_limits<double>::epsilon());
+    // Cages enclose the source, which is no farther than fine_error from the fine mesh.
+    shape->frame.radius = (shape->frame.radius + shape->fine_error) * (1 + 16 * eps);
     const bool has_fine = view.fine_triangle_count() > 0;
     shape->fine_triangles = view.fine_triangle_count();
     shape->fine_vertices = view.fine_vertex_count();
-    view.discard_fine();  // what the system has read ahead
+    view.discard_fine();  // frees pages that the system has read ahead
     shape->asset.emplace(std::move(view));
     if (has_fine) shape->on_demand = std::make_unique<OnDemandMesh>(*shape, file.string(), std::move(budget));
     set_outline(*shape);
     return shape;
   });
-}
-
-int level_count(const Shape& shape) noexcept {
-  int count = static_cast<int>(shape.cages.size());
-  for (const ShapePart& part : shape.parts) count = std::max(count, level_count(*part.shape));
-  return count;
-}
-
-std::int64_t level_triangles(const Shape& shape, int level) noexcept {
-  if (shape.parts.empty()) return static_cast<std::int64_t>(shape.cages[level].mesh.triangles.size());
-  std::int64_t count = 0;
-  for (const ShapePart& part : shape.parts) {
-    const int levels = level_count(*part.shape);
-    if (levels > 0) count += level_triangles(*part.shape, std::min(level, levels - 1));
-  }
-  return count;
 }
 
 }  // namespace encage

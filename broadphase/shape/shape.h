@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "broadphase/motion/pair_frame.h"
 #include "broadphase/shape/on_demand.h"
 #include "broadphase/shape/outline.h"
 #include "src/asset/view.h"
@@ -8,23 +9,23 @@
 
 #include <encage/shape.h>
 
+#include <array>
+#include <cassert>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace encage {
 
-/// Of places, sizes and margins: larger ones could overflow where bounds are added up.
-inline constexpr double largest_length = 1e150;
-
-/// A surface in the local frame of its hierarchy, ready for queries. Its arrays live in the Shape.
+/// A surface in the local frame of its hierarchy, ready for queries. The Shape owns its arrays.
 struct Surface : MeshArraysView {
   Surface() = default;
   explicit Surface(const MeshArraysView& arrays);
 
-  bool closed = false;                              ///< has no boundary: winding numbers mean something
+  bool closed = false;                              ///< has no boundary, so that winding numbers are defined
   double radius = 0;                                ///< largest distance of a vertex from the local origin, rounded up
-  Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< of all vertices of triangles
+  Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< bounds of all vertices of triangles
   Eigen::Vector3f upper = Eigen::Vector3f::Zero();
 
   bool empty() const { return tree.leaves.empty(); }
@@ -33,8 +34,8 @@ struct Surface : MeshArraysView {
   }
 };
 
-/// A surface at the size that it has in the world: coordinates are `scale` times the stored ones. The surface
-/// must outlive it.
+/// A surface at the size that it has in the world: coordinates are `scale` times the stored ones. The surface must
+/// outlive it.
 class ScaledSurface {
  public:
   ScaledSurface(const Surface& surface, double scale = 1) : surface_(&surface), scale_(scale) {}  // NOLINT: a view
@@ -50,54 +51,92 @@ class ScaledSurface {
   double scale_;
 };
 
-/// One part of a compound: itself no compound.
-struct ShapePart {
-  ShapePtr shape;
-  Eigen::Isometry3d pose;
+class SimpleShape;
+class CompoundShape;
+
+/// A simple shape or a compound. Public headers only declare its name.
+class ENCAGE_HIDDEN Shape {
+ public:
+  Shape(const Shape&) = delete;
+  Shape& operator=(const Shape&) = delete;
+
+  bool is_compound() const { return is_compound_; }
+  const SimpleShape& simple() const;      ///< requires a simple shape
+  const CompoundShape& compound() const;  ///< requires a compound
+
+ protected:
+  explicit Shape(bool is_compound) : is_compound_(is_compound) {}
+  ~Shape() = default;  // only ShapePtr deletes shapes, by their own type
+
+ private:
+  bool is_compound_;
+};
+
+/// Surfaces of one rigid body in its own frame: cages, the fine mesh, or both.
+class ENCAGE_HIDDEN SimpleShape final : public Shape {
+ public:
+  SimpleShape() : Shape(false) {}
+
+  LocalFrame frame;  ///< of all surfaces; its radius is the largest of theirs
+  Solid solid = Solid::closed;
+  bool hollow = false;         ///< the body is its surface alone
+  double fine_error = 0;       ///< largest distance of a source vertex from its fine vertex
+  std::vector<Surface> cages;  ///< fine to coarse; each closed
+  Surface fine;                ///< may be empty; for a mesh on demand valid only while a FineLease exists
+  std::size_t fine_triangles = 0, fine_vertices = 0;  ///< also while the fine mesh is not in memory
+  Outline outline;            ///< few points whose hull contains the body, for its world boxes; may be empty
+  double outline_radius = 0;  ///< largest norm of the outline's points
+
+  bool has_fine() const { return on_demand || !fine.empty(); }
+  /// Returns the surface whose box bounds the body; it is always in memory.
+  const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
+  /// Returns how far the source may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
+  double error_in_world(double scale) const { return has_fine() ? (1 + 1e-8) * scale * fine_error : 0; }
+
+  // The memory that the surfaces refer to.
+  std::deque<MeshArrays> owned_arrays;
+  std::optional<AssetView> asset;
+  std::unique_ptr<OnDemandMesh> on_demand;  ///< set for a shape of a ShapeCache that has a fine mesh
+};
+
+/// One part of a compound.
+struct ENCAGE_HIDDEN ShapePart {
+  std::shared_ptr<const SimpleShape> shape;
+  Eigen::Isometry3d pose;  ///< in the compound's frame
   double scale;
   Eigen::AlignedBox3d box;      ///< in the compound's frame
-  double reach;                 ///< sum of the sizes that its place is computed from
-  int nesting;                  ///< compounds that it was taken out of
-  std::int32_t first_triangle;  ///< of all parts' fine meshes
+  double reach;                 ///< sum of the magnitudes from which its position is computed
+  int nesting;                  ///< number of compounds that contained it
+  std::int32_t first_triangle;  ///< in the numbering of all parts' fine meshes
   std::int32_t first_vertex;
 };
 
+/// A node of a binary tree of parts.
 struct PartNode {
   Eigen::AlignedBox3d box;  ///< in the compound's frame
   std::array<std::int32_t, 2> children = {-1, -1};
-  std::int32_t part = -1;  ///< of a leaf
+  std::int32_t part = -1;  ///< used in leaves only
 };
 
-/// Simple, or a compound: that has parts and none of its own surfaces. Public headers
-/// have only its name.
-class ENCAGE_HIDDEN Shape {
+/// The union of parts, none of which is a compound.
+class ENCAGE_HIDDEN CompoundShape final : public Shape {
  public:
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< body frame = origin + local frame
-  Solid solid = Solid::closed;
-  bool hollow = false;         ///< the body is its surface alone
-  double fine_error = 0;       ///< distance of a source vertex from its fine vertex, at most
-  double radius = 0;           ///< largest of all surfaces
-  std::vector<Surface> cages;  ///< fine to coarse; each closed
-  Surface fine;                ///< may be empty; of a mesh on demand only while a FineLease is held
-  std::size_t fine_triangles = 0, fine_vertices = 0;  ///< in memory or not
-  Outline outline;            ///< few points that hold the body, for its world boxes; may be empty
-  double outline_radius = 0;  ///< largest norm of these
+  CompoundShape() : Shape(true) {}
 
   std::vector<ShapePart> parts;
-  std::vector<PartNode> part_nodes;  ///< a tree, the root first
-
-  bool has_fine() const { return on_demand || !fine.empty(); }
-  /// The surface whose box bounds the body, and the error of that; always in memory.
-  const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
-  double outer_error() const { return has_fine() ? fine_error : 0; }
-
-  // What the surfaces refer to.
-  std::deque<MeshArrays> owned_arrays;
-  std::optional<AssetView> asset;
-  std::unique_ptr<OnDemandMesh> on_demand;  ///< of a shape of a ShapeCache that has a fine mesh
+  std::vector<PartNode> nodes;  ///< the root first
 };
 
-/// The shape of an asset, its fine mesh on demand.
+inline const SimpleShape& Shape::simple() const {
+  assert(!is_compound_);
+  return static_cast<const SimpleShape&>(*this);
+}
+inline const CompoundShape& Shape::compound() const {
+  assert(is_compound_);
+  return static_cast<const CompoundShape&>(*this);
+}
+
+/// Loads the shape of an asset with its fine mesh on demand.
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,
                     std::shared_ptr<MeshBudget> budget);
 

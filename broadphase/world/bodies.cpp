@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of a world: what is refused leaves it as it is.
-#include "broadphase/motion/frame.h"
-#include "broadphase/motion/turned_box.h"
+#include "broadphase/motion/pose.h"
+#include "broadphase/shape/shape.h"
 #include "broadphase/world/room.h"
 #include "broadphase/world/state.h"
 #include "src/files/number_text.h"
+#include "src/limits.h"
 
 #include <cmath>
 #include <string>
@@ -18,10 +19,11 @@ template <WorldId Id>
   throw Error(name(id) + ": " + reason);
 }
 
-// Messages are put together only where they are needed.
+// Messages are composed only where they are needed.
 const char* pose_defect(const Eigen::Isometry3d& pose) {
   if (!pose.matrix().topRows<3>().allFinite()) return "is not finite";
   if (pose.translation().cwiseAbs().maxCoeff() > largest_length) return "is farther than 1e150 away";
+  if (is_mirrored(pose)) return "mirrors the body";
   return is_usable(pose) ? nullptr : "is farther than 1e-9 from rigid";
 }
 
@@ -40,13 +42,13 @@ void check_length(Id id, const char* what, double length) {
   if (!(length >= 0 && length <= largest_length)) refuse(id, length_defect(what, length));
 }
 
-/// There is one, or name it for what lacks it.
+/// Throws an Error that names `asking` if the table does not contain `asked`.
 template <WorldId Id, WorldId Of>
 void check_known(const IdTable<Of>& table, Of asked, Id asking) {
   if (!table.contains(asked)) refuse(asking, name(asked) + " " + table.defect(asked));
 }
 
-/// Sets an element, or adds it at the end, where there is room.
+/// Sets an element, or appends it where there is room.
 template <class T>
 void put(std::vector<T>& v, std::size_t i, T value) {
   if (i == v.size()) {
@@ -103,7 +105,7 @@ HalfSpaceId World::State::add_half_space(const HalfSpace& half_space, const Filt
   check_unlocked();
   const HalfSpaceId id = plane_ids_.next();
   if (!half_space.normal.allFinite()) refuse(id, "the normal is not finite");
-  if (const double length = half_space.normal.norm(); !(std::abs(length - 1) <= 1e-9)) {
+  if (const double length = half_space.normal.norm(); !(std::abs(length - 1) <= rigid_tolerance)) {
     refuse(id, "the normal's length is " + number_text(length) + ", not 1");
   }
   if (!(std::abs(half_space.offset) <= largest_length)) {
@@ -133,7 +135,7 @@ void World::State::remove(HalfSpaceId id) {
 
 void World::State::check_options(BodyId id, const BodyOptions& options) const {
   check_length(id, "margin", options.margin);
-  if (const double scale = options.scale; !(scale >= 1e-50 && scale <= 1e50)) {
+  if (const double scale = options.scale; !(scale >= smallest_scale && scale <= largest_scale)) {
     refuse(id, "the scale " + number_text(scale) + " is not between 1e-50 and 1e50");
   }
 }
@@ -259,7 +261,7 @@ void World::State::set_deformation(BodyId id, double bound) {
   update(index(id));
 }
 
-/// After a change of the body.
+/// Updates all derived data after a change of the body.
 void World::State::update(std::uint32_t n) noexcept {
   const Body& body = bodies_[n];
   bounds_[n].margin = own_margin(body);
@@ -267,7 +269,7 @@ void World::State::update(std::uint32_t n) noexcept {
   const BodyOptions& o = body.options;
   const bool plain = o.kind == BodyKind::dynamic && o.group == 0 && o.filter.category != 0 && ~o.filter.mask == 0;
   traits_[n] = static_cast<std::uint8_t>((body.awake ? is_awake : 0) | (plain ? is_plain : 0) |
-                                         (shape_of(body)->parts.empty() ? 0 : is_compound));
+                                         (shape_of(body)->is_compound() ? is_compound : 0));
   tree_.touch(body.leaf);
   outdated_[n] |= outdated;
   if (!body.awake) has_stirred_ = true;
@@ -280,7 +282,7 @@ double World::State::own_margin(const Body& body) const noexcept {
 }
 
 FloatBox World::State::tree_box(const Bounds& bounds) const noexcept {
-  // The excess hides the rounding of sums of margins.
+  // The excess covers the rounding of sums of margins.
   return FloatBox::around(bounds.box, bounds.margin * (1 + 1e-12));
 }
 

@@ -11,7 +11,8 @@ namespace {
 
 using FloatLimits = std::numeric_limits<float>;
 
-/// A float below x. Below by half a unit in the last place at least, which hides the rounding of one double operation.
+/// Returns a float below x by at least half a unit in the last place, which covers the rounding of one double
+/// operation.
 float below(double x) {
   if (!(x >= -static_cast<double>(FloatLimits::max()))) return -FloatLimits::infinity();
   const float f = static_cast<float>(std::min(x, static_cast<double>(FloatLimits::max())));
@@ -68,7 +69,7 @@ FloatBox BoxLanes::merged() const noexcept {
   result.upper.fill(-FloatLimits::infinity());
   for (int k = 0; k < 3; ++k) {
     for (int lane = 0; lane < width; ++lane) {
-      // In this order, what is not a number is left out.
+      // The order of the arguments makes std::min ignore NaN.
       result.lower[k] = std::min(result.lower[k], lower[k][lane]);
       result.upper[k] = std::max(result.upper[k], upper[k][lane]);
     }
@@ -80,7 +81,7 @@ FloatBox BoxLanes::merged() const noexcept {
 
 BodyTree::Leaf BodyTree::insert(const FloatBox& box, std::uint32_t item) {
   assert(size_ < std::numeric_limits<std::int32_t>::max() / 2);
-  // Nothing else may allocate.
+  // No other function may allocate.
   make_room(leaves_, leaves_.size() + 1);
   make_room_for(order_.size() + 1, static_cast<std::size_t>(size_) + 1);
   Leaf leaf = free_;
@@ -122,7 +123,7 @@ void BodyTree::make_room_for(std::size_t slots, std::size_t leaves) {
   }
 }
 
-/// The nodes above keep their boxes, which are no smaller than need be.
+/// The nodes above keep their boxes, which are still correct but may be larger than necessary.
 void BodyTree::remove(Leaf leaf) noexcept {
   Entry& entry = leaves_[leaf];
   if (entry.moved != none) {
@@ -171,13 +172,13 @@ void BodyTree::refresh() noexcept {
 }
 
 bool BodyTree::is_worn() const noexcept {
-  // About what ordering a leaf takes, in work.
+  // Approximate cost of ordering a leaf, in units of work.
   constexpr double ordering = 4;
   return loose_ > 8 + size_ / 32 || slots() > 2 * size_ + 64 || lost_ > ordering * size_;
 }
 
 void BodyTree::order_leaves() noexcept {
-  // Infinite boxes have a middle as well.
+  // The limit gives infinite boxes a finite centre as well.
   constexpr float largest = FloatLimits::max() / 4;
   centres_.clear();
   for (const Leaf leaf : order_) {
@@ -207,7 +208,7 @@ void BodyTree::order_leaves() noexcept {
   least_rate_ = infinite;
 }
 
-/// Halves that fill whole nodes, by the coordinate in which centres differ most.
+/// Splits the leaves into halves that fill whole nodes, along the coordinate in which centres differ most.
 void BodyTree::split(std::size_t first, std::size_t last) noexcept {
   while (last - first > BoxLanes::width) {
     std::array<float, 3> low = centres_[first].at, high = low;
@@ -247,11 +248,11 @@ void BodyTree::resize_levels() noexcept {
     levels_[k].clear();
     dirty_[k].clear();
   }
-  // All have to enter what is above them now.
+  // All nodes have to enter their boxes in the nodes that are above them now.
   for (int k = 0; k < height_; ++k) std::fill(dirty_[k].begin(), dirty_[k].end(), std::uint8_t{1});
 }
 
-/// Those that have moved, or all: then in order of slots, which caches like.
+/// Places the leaves that have moved, or all of them; all are placed in order of slots, which uses the caches well.
 void BodyTree::place_leaves(bool all) noexcept {
   const auto place = [this](Leaf leaf, std::int32_t slot) {
     const std::int32_t node = slot / BoxLanes::width, lane = slot % BoxLanes::width;
@@ -280,7 +281,7 @@ void BodyTree::refit() noexcept {
   }
 }
 
-/// Searches that see more nodes than they did after leaves were ordered lose time.
+/// Counts the time that searches lose because they test more nodes than they did just after leaves were ordered.
 void BodyTree::account(std::int64_t nodes) noexcept {
   if (nodes == 0) return;
   const double rate = static_cast<double>(work_) / static_cast<double>(nodes);

@@ -14,16 +14,16 @@
 
 namespace encage {
 
-/// Axis-aligned box in float32: small, for what only has to be conservative.
+/// Axis-aligned box in float32: small, and accurate enough for conservative tests.
 struct FloatBox {
   std::array<float, 3> lower{};
   std::array<float, 3> upper{};
 
-  /// Contains the box enlarged by `margin` on every side, rounding of the sum included.
-  /// What is NaN or beyond the range of float32 becomes infinite.
+  /// Returns a box that contains the given box enlarged by `margin` on every side, rounding of the sum included. Bounds
+  /// that are NaN or beyond the range of float32 become infinite.
   static FloatBox around(const Eigen::AlignedBox3d& box, double margin = 0) noexcept;
 
-  bool overlaps(const FloatBox& other) const noexcept {  // touching ones do
+  bool overlaps(const FloatBox& other) const noexcept {  // boxes that touch do
     return lower[0] <= other.upper[0] && other.lower[0] <= upper[0] && lower[1] <= other.upper[1] &&
            other.lower[1] <= upper[1] && lower[2] <= other.upper[2] && other.lower[2] <= upper[2];
   }
@@ -32,7 +32,7 @@ struct FloatBox {
            other.upper[1] <= upper[1] && lower[2] <= other.lower[2] && other.upper[2] <= upper[2];
   }
   FloatBox merged(const FloatBox& other) const noexcept;
-  FloatBox enlarged(double margin) const noexcept;  ///< as around()
+  FloatBox enlarged(double margin) const noexcept;  ///< rounded as in around()
   friend bool operator==(const FloatBox&, const FloatBox&) = default;
 };
 
@@ -60,31 +60,33 @@ struct alignas(64) BoxLanes {
   FloatBox merged() const noexcept;
 
  private:
-  /// Not a number: neutral when merged, and apart from every box.
+  /// All bounds are NaN: the box is neutral when merged, and apart from every box.
   static FloatBox empty_box() noexcept;
 };
 
-/// Packed tree of boxes, eight wide and without pointers: child k of node n is node 8 n + k of the
-/// level below (Kamel and Faloutsos 1993, "On packing R-trees"). Leaves are ordered by splitting them at medians
-/// (Bentley 1975). Where leaves move, boxes of nodes follow; leaves are ordered anew after some have been added, or
-/// when searches have lost as much time by boxes that grew as ordering takes.
+/// Packed tree of boxes, eight wide and without pointers: child k of node n is node 8 n + k of the level below (Kamel
+/// and Faloutsos 1993, "On packing R-trees"). Leaves are ordered by splitting them at medians (Bentley 1975,
+/// "Multidimensional binary search trees used for associative searching"). Where leaves move, the boxes of their nodes
+/// follow; leaves are ordered again after some have been added, or when boxes that grew have cost searches as much time
+/// as ordering takes.
 ///
-/// Knows which leaves have moved since clear_moved(), and finds pairs for those alone.
-/// The same calls give the same tree and the same order of visits. Changes take effect by refresh(), which is for
-/// searches to follow. Concurrent queries are safe while nothing changes the tree; only insert() allocates.
+/// The tree records which leaves have moved since clear_moved(), and finds pairs for those alone. The same calls give
+/// the same tree and the same order of visits. Changes take effect at refresh(), which must come before searches.
+/// Concurrent queries are safe while nothing changes the tree; only insert() allocates.
 class BodyTree {
  public:
   using Leaf = std::int32_t;
 
-  /// Adds a leaf with the caller's number for it; it has moved. On bad_alloc the tree is as before.
+  /// Adds a leaf with the caller's number for it; the leaf counts as moved. On bad_alloc the tree is unchanged.
   Leaf insert(const FloatBox& box, std::uint32_t item);
 
-  /// The leaf has moved.
+  /// Sets the box of a leaf, which counts as moved.
   void update(Leaf leaf, const FloatBox& box) noexcept;
 
   void remove(Leaf leaf) noexcept;
 
-  /// Room for what the other tree holds: assigning it then allocates nothing, nor do changes but insert().
+  /// Reserves capacity for the content of the other tree: assigning it then allocates nothing, nor do changes but
+  /// insert().
   void make_room_for(const BodyTree& other);
 
   /// Treats the leaf as moved.
@@ -100,7 +102,7 @@ class BodyTree {
   /// Brings the nodes up to date.
   void refresh() noexcept;
 
-  /// Calls visit(item) for every leaf whose box overlaps `box`. The tree is fresh.
+  /// Calls visit(item) for every leaf whose box overlaps `box`. The tree must be refreshed.
   template <class Visit>
   void query(const FloatBox& box, Visit&& visit) const {
     const auto each = [&](std::int32_t node, unsigned lanes) {
@@ -111,9 +113,9 @@ class BodyTree {
     search(box, call<decltype(each), std::int32_t, unsigned>, &each);
   }
 
-  /// Calls visit(item, other item) once for every two leaves of which one has moved and whose boxes overlap, or come to
-  /// overlap if one of them, no matter which, is enlarged by `margin`. Two that overlap only if it is the other
-  /// may be left out. The tree is fresh.
+  /// Calls visit(item, other item) once for every two leaves of which one has moved and whose boxes overlap, or overlap
+  /// once either of them is enlarged by `margin`. It may leave out two leaves that overlap only if one particular box
+  /// of the two is enlarged. The tree must be refreshed.
   template <class Visit>
   void query_moved_pairs(double margin, Visit&& visit) {
     const auto each = [&](std::int32_t a, std::int32_t b, std::uint64_t lanes) {
@@ -125,9 +127,9 @@ class BodyTree {
     search_moved(margin, call<decltype(each), std::int32_t, std::int32_t, std::uint64_t>, &each);
   }
 
-  /// What is wrong with the structure, for tests; empty if nothing is.
+  /// For tests: describes a defect of the structure; empty if there is none.
   std::string defect() const;
-  /// Pairs of nodes looked at by the last query_moved_pairs().
+  /// Number of pairs of nodes that the last query_moved_pairs() tested.
   std::int64_t work() const noexcept { return work_; }
 
  private:
@@ -137,10 +139,10 @@ class BodyTree {
   struct Entry {
     FloatBox box;
     std::uint32_t item = 0;
-    std::int32_t slot = none;   // of free ones: the next one
+    std::int32_t slot = none;   // of a free entry: the next one
     std::int32_t moved = none;  // position in moved_
   };
-  // A leaf while leaves are ordered.
+  // A leaf during ordering.
   struct Centre {
     std::array<float, 3> at;
     Leaf leaf;
@@ -166,22 +168,22 @@ class BodyTree {
   void place_leaves(bool all) noexcept;
   void refit() noexcept;
 
-  std::vector<Entry> leaves_;  // by Leaf
+  std::vector<Entry> leaves_;  // indexed by Leaf
   std::vector<Leaf> moved_;
-  std::vector<Leaf> order_;                                   // by slot; none: empty
-  std::vector<std::uint32_t> items_;                          // the same
-  std::array<std::vector<BoxLanes>, most_levels> levels_;     // 0: slots
-  std::array<std::vector<std::uint8_t>, most_levels> dirty_;  // nodes of which a lane has changed
-  std::vector<std::uint8_t> moved_lanes_;                     // bits, of the nodes of level 0
+  std::vector<Leaf> order_;                                   // indexed by slot; none if empty
+  std::vector<std::uint32_t> items_;                          // indexed by slot
+  std::array<std::vector<BoxLanes>, most_levels> levels_;     // level 0 has the slots
+  std::array<std::vector<std::uint8_t>, most_levels> dirty_;  // 1 for nodes of which a lane has changed
+  std::vector<std::uint8_t> moved_lanes_;                     // bits of the moved lanes, for the nodes of level 0
   std::vector<Centre> centres_;
   int height_ = 0;  // levels in use
   std::int32_t free_ = none;
   std::int32_t size_ = 0;
   bool fresh_ = true;
 
-  std::int32_t loose_ = 0;  // leaves added since the others were ordered
+  std::int32_t loose_ = 0;  // number of leaves added since the others were ordered
   std::int64_t work_ = 0;
-  double least_rate_ = infinite;  // of work a node that searches, since then
+  double least_rate_ = infinite;  // of work per searching node, since then
   double lost_ = 0;               // work above that rate
   static constexpr double infinite = std::numeric_limits<double>::infinity();
 };

@@ -2,7 +2,7 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "broadphase/world/body_tree_search.cpp"
-#include <hwy/foreach_target.h>  // compiles what follows once for every instruction set
+#include <hwy/foreach_target.h>  // compiles the following once for every instruction set
 
 #include "broadphase/world/body_tree.h"
 
@@ -23,7 +23,7 @@ struct BoxNodes {
 
 /// A search for the pairs of moved leaves.
 struct MovedLeaves {
-  const std::uint8_t* lanes = nullptr;  // bits of those that have moved, for each node of level 0
+  const std::uint8_t* lanes = nullptr;  // for each node of level 0, bits of the lanes that have moved
   bool all = false;
   double margin = 0;
   void (*visit)(const void* context, std::int32_t a, std::int32_t b, std::uint64_t lanes) = nullptr;
@@ -37,6 +37,8 @@ HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+namespace {
 
 using Floats = hn::CappedTag<float, BoxLanes::width>;
 
@@ -58,8 +60,8 @@ HWY_INLINE unsigned overlapping(const BoxLanes& lanes, const FloatBox& box) {
   return bits;
 }
 
-/// Calls visit(leaf node, lane of its parent) for every node of level 0 whose box overlaps `box`, but
-/// not for nodes before `first`. Returns how many.
+/// Calls visit(leaf node, lane of its parent) for every node of level 0 whose box overlaps `box`, except nodes before
+/// `first`. Returns the number of visits.
 template <class Visit>
 HWY_INLINE std::int64_t for_each_leaf_node(const BoxNodes& nodes, const FloatBox& box, std::int32_t first,
                                            Visit&& visit) {
@@ -89,6 +91,8 @@ HWY_INLINE std::int64_t for_each_leaf_node(const BoxNodes& nodes, const FloatBox
   return count;
 }
 
+}  // namespace
+
 void search_box(const BoxNodes& nodes, const FloatBox& box,
                 void (*visit)(const void* context, std::int32_t node, unsigned lanes), const void* context) {
   const auto look = [&](std::int32_t node) {
@@ -101,7 +105,9 @@ void search_box(const BoxNodes& nodes, const FloatBox& box,
   }
 }
 
-/// The moved lanes of node a against all leaves. Of two moved ones, the one that comes first finds the other.
+namespace {
+
+/// Tests the moved lanes of node a against all leaves. Of two moved leaves, the one that comes first finds the other.
 std::int64_t search_node(const BoxNodes& nodes, const MovedLeaves& moved, std::int32_t a) {
   BoxLanes own;
   for (unsigned bits = moved.lanes[a]; bits != 0; bits &= bits - 1) {
@@ -129,7 +135,10 @@ std::int64_t search_node(const BoxNodes& nodes, const MovedLeaves& moved, std::i
       [&](std::int32_t b, const BoxLanes& parent, int lane) { look(b, overlapping(own, parent.at(lane))); });
 }
 
-/// Returns how many pairs of nodes were looked at, counted as if not all had moved; adds to `nodes_searched`.
+}  // namespace
+
+/// Returns the number of tested pairs of nodes, and adds to `nodes_searched`. If all leaves have moved, each pair is
+/// tested once and counts twice, as often as it would be tested otherwise.
 std::int64_t search_moved(const BoxNodes& nodes, const MovedLeaves& moved, std::int64_t& nodes_searched) {
   std::int64_t work = 0;
   for (std::int32_t a = 0; a < nodes.leaf_nodes; ++a) {

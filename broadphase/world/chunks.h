@@ -9,10 +9,10 @@
 
 namespace encage {
 
-/// Calls visit(i) once for every i in [first, last), in tasks that take chunks in increasing order,
-/// until a call answers false: then chunks that are begun are finished, and no more are taken. Returns the end of
-/// what was visited. Costs of calls may differ much: chunks are small. visit is called by several
-/// threads and must not throw; what the executor throws passes through.
+/// Calls visit(i) once for every i in [first, last), in tasks that take chunks in increasing order, until a call
+/// returns false: tasks then finish the chunks they have begun and take no more. Returns the end of the visited range.
+/// Costs of calls may differ much, so chunks are small. Several threads call visit, which must not throw; exceptions of
+/// the executor pass through.
 template <class Visit>
 std::size_t for_each_in_chunks(const Executor& executor, std::size_t first, std::size_t last, Visit&& visit) {
   constexpr std::size_t largest_chunk = 64, chunks_per_task = 32;

@@ -13,7 +13,7 @@
 
 namespace encage {
 
-/// "body 7 (generation 2)"; the first generation goes without saying.
+/// "body 7 (generation 2)"; the first generation is not printed.
 template <WorldId Id>
 std::string name(Id id) {
   const char* kind = "half-space ";
@@ -24,22 +24,22 @@ std::string name(Id id) {
   return generation(id) == 0 ? text : text + " (generation " + std::to_string(generation(id)) + ")";
 }
 
-/// Gives ids and knows which of them are in use.
+/// Assigns ids and records which of them are in use.
 template <WorldId Id>
 class IdTable {
  public:
-  /// Room for one more id, so that add() and remove() cannot throw.
+  /// Reserves capacity for one more id, so that add() and remove() cannot throw.
   void prepare_add() {
     make_room(slots_, slots_.size() + 1);
     make_room(free_, slots_.size() + 1);
   }
-  /// Room for what `other` holds, and for the removal of all that.
+  /// Reserves capacity for the content of `other`, and for its removal.
   void make_room_for(const IdTable& other) {
     make_room(slots_, other.slots_.size());
     make_room(free_, other.slots_.size());
   }
 
-  /// What add() gives.
+  /// Returns the id that add() will return.
   Id next() const noexcept {
     return free_.empty() ? id(static_cast<std::uint32_t>(slots_.size()), 0)
                          : id(free_.back(), slots_[free_.back()].generation);
@@ -58,7 +58,7 @@ class IdTable {
     assert(contains(removed));
     Slot& slot = slots_[index(removed)];
     slot.used = false;
-    // The last generation is not given: its last id is that of `none`.
+    // The last generation is never assigned: its last id is that of `none`.
     if (++slot.generation == last_generation) {
       ++retired_;
     } else {
@@ -71,14 +71,14 @@ class IdTable {
            slots_[index(asked)].generation == generation(asked);
   }
   bool is_used(std::uint32_t i) const noexcept { return slots_[i].used; }
-  /// The id that an index has, or that it gets next.
+  /// Returns the id that an index has, or that it gets next.
   Id at(std::uint32_t i) const noexcept { return id(i, slots_[i].generation); }
 
-  /// Indices given so far.
+  /// Returns the number of indices assigned so far.
   std::uint32_t slots() const noexcept { return static_cast<std::uint32_t>(slots_.size()); }
   std::int64_t size() const noexcept { return static_cast<std::int64_t>(slots_.size() - free_.size()) - retired_; }
 
-  /// Why there is nothing of this id.
+  /// Explains why there is no object with this id.
   const char* defect(Id asked) const noexcept {
     const bool known = index(asked) < slots_.size() && generation(asked) < slots_[index(asked)].generation;
     return known ? "was removed" : "does not exist";
@@ -96,7 +96,7 @@ class IdTable {
 
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_;
-  std::int64_t retired_ = 0;  // indices that have run out of generations
+  std::int64_t retired_ = 0;  // number of indices that have no generation left
 };
 
 }  // namespace encage

@@ -11,7 +11,7 @@
 namespace encage {
 
 void KeyOrder::sort(std::vector<std::uint64_t>& keys, std::size_t bodies) {
-  // Counting takes a pass over all bodies.
+  // Counting takes a pass over all bodies, which few keys do not pay for.
   if (keys.size() < bodies / 16 || keys.size() > std::numeric_limits<std::uint32_t>::max()) {
     std::sort(keys.begin(), keys.end());
     return;
@@ -22,7 +22,7 @@ void KeyOrder::sort(std::vector<std::uint64_t>& keys, std::size_t bodies) {
   sorted_.resize(keys.size());
   for (const std::uint64_t key : keys) ++ends_[first_of(key) + 1];
   for (std::size_t n = 0; n < bodies; ++n) ends_[n + 1] += ends_[n];
-  // ends_[n] is where the next one of body n goes; after the last one, where they end.
+  // ends_[n] is the position for the next key of body n; after the last one, the end of its keys.
   for (const std::uint64_t key : keys) sorted_[ends_[first_of(key)]++] = key;
   auto begin = sorted_.begin();
   for (std::size_t n = 0; n < bodies; ++n) {

@@ -6,11 +6,11 @@
 
 namespace encage {
 
-/// Sorts keys of pairs (pair_key.h) in time linear in their number and that of bodies, where no body has very many:
-/// those of each first body are brought together by counting.
+/// Sorts keys of pairs (pair_key.h) in time linear in the numbers of keys and of bodies, if no body has very many:
+/// counting sort groups the keys by their first body.
 class KeyOrder {
  public:
-  /// Keys whose first index is below `bodies`. Allocates nothing unless there are more than ever before.
+  /// Sorts keys whose first index is below `bodies`. Allocates nothing unless there are more keys than ever before.
   void sort(std::vector<std::uint64_t>& keys, std::size_t bodies);
 
  private:

@@ -6,12 +6,12 @@
 
 namespace encage {
 
-// A pair of a world as a number: the lower index of a body, then the other body's, or the half-space's with a bit set.
-// So pairs sort as candidates are visited.
+// A pair of a world as a number: the lower index of a body, then the other body's index, or the half-space's with a bit
+// set. The keys thus sort in the order in which candidates are visited.
 
 inline constexpr std::uint32_t half_space_bit = 0x80000000;
 
-/// Of two bodies, or of a body and half_space_bit | half-space.
+/// Returns the key of two bodies, or of a body and half_space_bit | half-space.
 inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which pairs a world keeps: those whose boxes in the tree overlap.
-#include "broadphase/motion/frame.h"
 #include "broadphase/motion/turned_box.h"
+#include "broadphase/shape/world_box.h"
 #include "broadphase/world/chunks.h"
 #include "broadphase/world/room.h"
 #include "broadphase/world/state.h"
@@ -51,12 +51,12 @@ bool World::State::is_active(std::uint64_t key) const noexcept {
 }
 
 std::uint8_t World::State::status(std::uint32_t n) const noexcept {
-  // `still_same`: the body of this index is still the one whose pairs are known.
+  // `still_same` means: the body with this index is still the one whose pairs are known.
   return static_cast<std::uint8_t>((body_ids_.contains(collected_[n]) ? still_same : 0) | (is_active(n) ? active : 0) |
                                    (outdated_[n] != 0 ? outdated : 0));
 }
 
-/// What merging asks of bodies many times, where it does.
+/// Computes the status of every body once, if merging needs it many times.
 void World::State::note_status() {
   std::vector<std::uint8_t>& all = scratch_.status;
   all.clear();
@@ -65,7 +65,7 @@ void World::State::note_status() {
   for (std::uint32_t n = 0; n < bodies_.size(); ++n) all.push_back(status(n));
 }
 
-/// `still_same` if both are, the others if one is.
+/// `still_same` is set if it is for both, the other bits if they are for one.
 std::uint8_t World::State::status(std::uint64_t key) const noexcept {
   const auto of = [this](std::uint32_t n) { return scratch_.status.empty() ? status(n) : scratch_.status[n]; };
   const std::uint8_t a = of(first_of(key));
@@ -96,7 +96,7 @@ void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, d
   for (std::uint32_t p = 0; p < planes_.size(); ++p) {
     if (!plane_ids_.is_used(p) || (outdated_ones && outdated_planes_[p] == 0)) continue;
     const std::uint64_t key = pair_key(n, half_space_bit | p);
-    // The box holds the body's margin already; twice is safe.
+    // The box includes the body's margin already; adding it twice is safe.
     if (masks_allow(options.filter, planes_[p].filter) && is_active(key) &&
         !box_beyond(box, planes_[p].half_space, margin + bounds_[n].margin)) {
       scratch_.fresh.push_back(key);
@@ -106,7 +106,8 @@ void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, d
 
 void World::State::find_fresh_pairs(double margin) {
   scratch_.fresh.clear();
-  // Boxes are compared here, where pairs come in the order of places, and some pairs after their boxes were asked for.
+  // Pairs come in the order of positions in the tree, so neighbouring pairs share bodies. A pair's boxes are prefetched
+  // and compared some pairs later.
   std::array<std::uint64_t, 32> waiting;
   std::size_t count = 0;
   const auto look = [&] {
@@ -138,7 +139,7 @@ void World::State::find_fresh_pairs(double margin) {
 
 // ---- Merging -------------------------------------------------------------
 
-/// Calls visit for each body and half-space whose sleeping pairs are to be looked at.
+/// Calls visit for each body and half-space whose sleeping pairs have to be tested.
 template <class Visit>
 void World::State::for_each_woken(Visit&& visit) const {
   for (const BodyTree::Leaf leaf : tree_.moved()) {
@@ -151,7 +152,7 @@ void World::State::for_each_woken(Visit&& visit) const {
   }
 }
 
-/// After this, nothing that merge_pairs() does can throw.
+/// After this, merge_pairs() cannot throw.
 void World::State::prepare_merge() {
   ended_.erase(ended_.begin(), ended_.begin() + static_cast<std::ptrdiff_t>(ended_visited_));
   ended_visited_ = 0;
@@ -170,8 +171,8 @@ void World::State::prepare_merge() {
   sleeping_.prepare_add(bodies_.size(), planes_.size(), asleep);
 }
 
-/// Brings together what was known, of pairs that are awake and of those that wake, with what was found: all sorted.
-/// `tested`: boxes of fresh pairs of bodies are known not to be apart.
+/// Merges three sorted lists: the known pairs that are awake, those that wake, and the pairs found. With `tested`, the
+/// boxes of fresh pairs of bodies are known not to be apart.
 void World::State::merge_pairs(bool tested) noexcept {
   const std::uint64_t now = ++clock_;
   std::vector<Pair>& merged = scratch_.merged;
@@ -186,7 +187,7 @@ void World::State::merge_pairs(bool tested) noexcept {
     const std::uint8_t is = status(known.key);
     if ((is & still_same) == 0) {
       if (known.candidate) ended_.push_back(ended(known.key));
-      return;  // what was found is another pair
+      return;  // a pair found with the same key is another one
     }
     if ((is & active) == 0) {
       if (known.candidate) sleeping_.add(known.key);
@@ -237,12 +238,12 @@ void World::State::note_collected() noexcept {
   has_stale_pairs_ = has_outdated_planes_ = false;
 }
 
-/// What is left out is looked at once, as if all had changed.
+/// Makes the next search test the pairs that were left out, once, as if all bodies had changed.
 void World::State::stir_sleepers() noexcept {
   searched_at_ = 0;
   left_out_margin_ = std::numeric_limits<double>::infinity();
   for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
-    // Pairs of static bodies are found by the other one.
+    // Static bodies need no search: the other body finds the pair.
     if (!body_ids_.is_used(n) || bodies_[n].awake || bodies_[n].options.kind == BodyKind::static_) continue;
     tree_.touch(bodies_[n].leaf);
     outdated_[n] |= outdated;
@@ -250,7 +251,7 @@ void World::State::stir_sleepers() noexcept {
   }
 }
 
-/// Of the bodies that have changed, by tasks if there are many.
+/// Computes the boxes of the bodies that have changed, by tasks if there are many.
 void World::State::find_boxes(const Executor& executor) {
   const std::span<const BodyTree::Leaf> moved = tree_.moved();
   const auto find = [&](std::size_t i) {
@@ -263,7 +264,7 @@ void World::State::find_boxes(const Executor& executor) {
   if (executor.run && executor.threads > 1 && moved.size() >= many) {
     first = for_each_in_chunks(executor, 0, moved.size(), find);
   }
-  // An executor may have run nothing.
+  // The executor may have run no task.
   for (; first < moved.size(); ++first) find(first);
   for (const BodyTree::Leaf leaf : moved) tree_.update(leaf, tree_box(bounds_[tree_.item(leaf)]));
   tree_.refresh();
@@ -279,7 +280,7 @@ void World::State::collect(double margin, const Executor& executor) {
     collected_margin_ = margin;
   }
   if (tree_.moved().empty() && !has_stale_pairs_ && !has_outdated_planes_) return;
-  // Nothing is lost if memory runs out.
+  // If memory runs out here, nothing is lost.
   find_boxes(executor);
   find_fresh_pairs(collected_margin_);
   prepare_merge();

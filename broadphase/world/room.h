@@ -7,8 +7,8 @@
 
 namespace encage {
 
-/// Room for `size` elements, so that getting there cannot throw. Grows by half as much again as before at least: few
-/// calls allocate, then none.
+/// Reserves capacity for `size` elements, so that growing to it cannot throw. The capacity grows by at least half: few
+/// calls allocate, and eventually none.
 template <class T>
 void make_room(std::vector<T>& v, std::size_t size) {
   if (v.capacity() < size) v.reserve(std::max(size, v.capacity() + v.capacity() / 2));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "broadphase/motion/frame.h"
 #include "broadphase/motion/turned_box.h"
 #include "broadphase/world/chunks.h"
 #include "broadphase/world/room.h"
 #include "broadphase/world/state.h"
+#include "src/limits.h"
 
 #include <algorithm>
 #include <atomic>
@@ -19,14 +19,14 @@ bool same(const PairOptions& a, const PairOptions& b) {
          a.coarsest_cage == b.coarsest_cage && a.fine == b.fine;
 }
 
-/// Ends the lock of a world.
+/// Unlocks a world at the end of a scope.
 struct Unlock {
   bool& locked;
   ~Unlock() { locked = false; }
 };
 
-/// More than the rounding of a sum of four margins, and of this product.
-constexpr double rounded_up = 1 + 8 * std::numeric_limits<double>::epsilon();
+/// Exceeds the rounding of a sum of four margins, and of this product.
+constexpr double rounded_up = 1 + 8 * eps;
 
 }  // namespace
 
@@ -59,7 +59,7 @@ CandidatePair World::State::candidate(const Pair& pair) const noexcept {
 }
 
 Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept {
-  // Nothing to ask: what there is of the bodies is not worth fetching.
+  // There is nothing to test, so the data of the bodies need not be fetched.
   if (!has_half_space(pair.key) && !options.fine && options.cages == CageUse::never &&
       ((traits_[first_of(pair.key)] | traits_[second_of(pair.key)]) & is_compound) == 0) {
     return {};
@@ -67,7 +67,7 @@ Verdict World::State::ask(const Pair& pair, PairOptions options) const noexcept 
   const Body& a = bodies_[first_of(pair.key)];
   const Shape& shape_a = *shape_of(a);
   options.margin = margin_of(pair.key, options.margin);
-  options.boxes = false;  // boxes_are_apart() has
+  options.boxes = false;  // boxes_are_apart() has tested them
   if (has_half_space(pair.key)) {
     return separated(shape_a, a.motion, planes_[half_space_of(pair.key)].half_space, options.margin);
   }
@@ -80,14 +80,14 @@ void World::State::for_each_triangle_pair(const Pair& pair, double margin, Visit
   if (has_half_space(pair.key)) return;
   const Body& a = bodies_[first_of(pair.key)];
   const Body& b = bodies_[second_of(pair.key)];
-  for_each_candidate(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair.key, margin), visit);
+  encage::for_each_triangle_pair(*shape_of(a), a.motion, *shape_of(b), b.motion, margin_of(pair.key, margin), visit);
 }
 
 // ---- Search --------------------------------------------------------------
 
-/// One search; the world is locked meanwhile. Tasks of the executor, if there is one, go through the pairs and leave
-/// what they find there; then the calling thread goes through them in order as if it were
-/// alone, and finds most of its work done.
+/// One search; the world is locked meanwhile. Tasks of the executor, if there is one, process the pairs and store their
+/// findings with them. The calling thread then goes through the pairs in order as if it were alone, and finds most of
+/// its work done.
 class World::State::Search {
  public:
   Search(State& state, const CandidateOptions& options)
@@ -139,8 +139,8 @@ class World::State::Search {
 
   bool is_open(const Pair& pair) const noexcept { return !pair.apart && !(options_.accept && pair.refused); }
 
-  /// Lets tasks find out about pairs from `first` on. Returns the end of those they went through; of all, if there are
-  /// no tasks.
+  /// Lets tasks process pairs from `first` on. Returns the end of the processed range, or of all pairs if there are no
+  /// tasks.
   std::size_t prepare(std::size_t first) {
     std::vector<Pair>& pairs = state_.pairs_;
     if (!shared_) return pairs.size();
@@ -154,12 +154,12 @@ class World::State::Search {
       if (is_open(pairs[i])) ask(pairs[i]);
       return !options_.triangles || list_triangles(i);
     });
-    // An executor may have run nothing.
+    // The executor may have run no task.
     shared_ = last > first;
     return shared_ ? last : pairs.size();
   }
 
-  /// False if there was no room.
+  /// Returns false if there was no room.
   bool list_triangles(std::size_t i) noexcept {
     const Pair& pair = state_.pairs_[i];
     TriangleLists::Writer writer(state_.scratch_.lists);
@@ -167,7 +167,7 @@ class World::State::Search {
       try {
         state_.for_each_triangle_pair(pair, margin_, [&](TrianglePair found) { return writer.push(found); });
       } catch (const std::exception&) {
-        // A mesh on demand cannot be read: left to the calling thread, which may throw.
+        // A mesh on demand cannot be read: the calling thread, which may throw, tries again.
         state_.scratch_.list[i] = {.first_block = -1, .size = -1};
         return false;
       }
@@ -187,7 +187,7 @@ class World::State::Search {
     return state_.scratch_.triangles;
   }
 
-  /// Whether the pair is a candidate; counts it.
+  /// True if the pair is a candidate; updates the counts.
   bool judge(Pair& pair, bool accepting, CandidateStatistics& counts) noexcept {
     if (pair.apart) return false;
     ++counts.overlapping;
@@ -208,8 +208,8 @@ class World::State::Search {
     return true;
   }
 
-  /// Visits the candidates of [first, last), and pairs that have ended. Returns the end of those it went through: at
-  /// least one pair, and those whose triangles are listed.
+  /// Visits the candidates of [first, last), and pairs that have ended. Stops at a pair, other than the first one,
+  /// whose list of triangles is incomplete. Returns the end of the range that it delivered.
   std::size_t deliver(std::size_t first, std::size_t last, void (*visit)(void*, const CandidatePair&), void* context) {
     const bool listed = shared_ && options_.triangles, accepting = static_cast<bool>(options_.accept);
     const bool tested = tested_ || shared_;
@@ -238,7 +238,7 @@ class World::State::Search {
     return last;
   }
 
-  /// A pair that was a candidate is none.
+  /// Ends a pair that was a candidate and no longer is.
   void end(Pair& pair) {
     pair.candidate = false;
     if (!options_.ended) return;
@@ -252,7 +252,7 @@ class World::State::Search {
     options_.ended(result);
   }
 
-  /// Those that are kept no longer and whose turn it is before that of `key`.
+  /// Visits the ended pairs that are no longer kept and come no later than `key`.
   void visit_ended(std::uint64_t key) {
     const std::vector<Ended>& ended = state_.ended_;
     while (state_.ended_visited_ < ended.size() && ended[state_.ended_visited_].key <= key) {
@@ -279,8 +279,8 @@ class World::State::Search {
   const CandidateOptions& options_;
   double margin_;
   std::uint64_t now_;
-  bool tested_;  // the boxes of all pairs
-  bool shared_;  // among tasks
+  bool tested_;  // of the boxes of all pairs
+  bool shared_;  // with tasks
   CandidateStatistics counts_;
 };
 

@@ -35,7 +35,7 @@ void SleepingPairs::add(std::uint64_t key) noexcept {
   std::int32_t node = free_;
   if (node < 0) {
     node = static_cast<std::int32_t>(nodes_.size());
-    nodes_.emplace_back();  // there is room: prepare_add()
+    nodes_.emplace_back();  // prepare_add() has reserved it
   } else {
     free_ = nodes_[node].links[0].next;
   }

@@ -10,14 +10,14 @@
 
 namespace encage {
 
-/// A set of pairs, with a list of those of each body and half-space: taking those of one costs as much as it has.
+/// A set of pairs, with a list for each body and half-space: taking the pairs of one takes time linear in their number.
 class SleepingPairs {
  public:
-  /// Room for `pairs` more, of owners of smaller indices than these.
+  /// Reserves capacity for `pairs` more, whose bodies and half-spaces have indices below the given numbers.
   void prepare_add(std::size_t bodies, std::size_t half_spaces, std::size_t pairs);
   void make_room_for(const SleepingPairs& other);
 
-  /// A pair that is not there.
+  /// Adds a pair that is not in the set.
   void add(std::uint64_t key) noexcept;
 
   /// Removes the pairs of a body (its index) or half-space (half_space_bit | its index); calls visit(key) for each.
@@ -29,7 +29,7 @@ class SleepingPairs {
     while (heads[i] >= 0) visit(remove(heads[i] / 2));
   }
 
-  /// Pairs of a body or half-space, counted one by one.
+  /// Counts the pairs of a body or half-space, one by one.
   std::size_t count(std::uint32_t owner) const noexcept;
   std::size_t size() const noexcept { return size_; }
 
@@ -41,14 +41,14 @@ class SleepingPairs {
   };
   struct Node {
     std::uint64_t key = 0;
-    std::array<Link, 2> links;  // of free nodes: links[0].next is the next one
+    std::array<Link, 2> links;  // in a free node, links[0].next is the next free node
   };
   Link& link(std::int32_t end) noexcept { return nodes_[end / 2].links[end % 2]; }
   std::int32_t& head(std::uint64_t key, int side) noexcept;
   std::uint64_t remove(std::int32_t node) noexcept;
 
   std::vector<Node> nodes_;
-  std::array<std::vector<std::int32_t>, 2> heads_;  // first ends, of bodies and of half-spaces
+  std::array<std::vector<std::int32_t>, 2> heads_;  // first ends, for bodies and for half-spaces
   std::int32_t free_ = -1;
   std::size_t size_ = 0;
 };

@@ -22,7 +22,7 @@ void World::State::assign(const State& other) {
   make_room(ended_, other.ended_.size());
   sleeping_.make_room_for(other.sleeping_);
   tree_.make_room_for(other.tree_);
-  // Vectors keep what they have room for: nothing throws any more.
+  // The vectors have enough capacity, so nothing throws any more.
   *this = other;
 }
 

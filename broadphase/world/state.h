@@ -17,14 +17,14 @@
 
 namespace encage {
 
-/// Why a length is refused, e.g. "the margin -1 is negative"; empty if it is not.
+/// Explains why a length is refused, e.g. "the margin -1 is negative"; empty if it is accepted.
 std::string length_defect(const char* what, double length);
 
-/// What a World holds; a copy of it is a snapshot. A tree of boxes finds the pairs of the bodies that
-/// have changed; pairs are kept, sorted, with what was last proven about them.
+/// The content of a World; a copy of it is a snapshot. A tree of boxes finds the pairs of the bodies that have changed.
+/// Pairs are kept, sorted, with their last verdict.
 ///
 /// A body is *active* while it is awake, or if it was changed after the last complete search. Pairs without an active
-/// body are not among those kept; of such a pair it is only known that it was a candidate.
+/// body are not kept, except that the state records which of them were candidates.
 class ENCAGE_HIDDEN World::State {
  public:
   ShapeId add_shape(ShapePtr shape, double margin);
@@ -41,7 +41,7 @@ class ENCAGE_HIDDEN World::State {
   void set_deformation(BodyId body, double bound);
   CandidateStatistics search(const CandidateOptions& options, void (*visit)(void*, const CandidatePair&),
                              void* context);
-  /// Becomes equal to another one, without losing capacity; all or nothing.
+  /// Becomes equal to another state without losing capacity. If it throws, nothing has changed.
   void assign(const State& other);
   void check_unlocked() const;
 
@@ -49,7 +49,7 @@ class ENCAGE_HIDDEN World::State {
     Motion motion;
     BodyOptions options;
     double deformation = 0;
-    bool awake = true;  // never if it is static
+    bool awake = true;  // never for a static body
     ShapeId shape{};
     BodyTree::Leaf leaf = -1;
   };
@@ -64,7 +64,7 @@ class ENCAGE_HIDDEN World::State {
     Filter filter;
     std::uint64_t changed_at = 0;
   };
-  // Throw Error for what is unknown or removed.
+  // These throw Error for an id that is unknown or removed.
   const Body& body(BodyId id) const;
   const SharedShape& shape(ShapeId id) const;
   const Plane& half_space(HalfSpaceId id) const;
@@ -74,36 +74,36 @@ class ENCAGE_HIDDEN World::State {
   const IdTable<HalfSpaceId>& plane_ids() const noexcept { return plane_ids_; }
 
  private:
-  // What every search reads of every body.
+  // The data of every body that every search reads.
   struct alignas(64) Bounds {
     Eigen::AlignedBox3d box;  // world_box(), once pairs are collected
-    double margin = 0;        // all that is the body's own
+    double margin = 0;        // sum of the body's own margins
     std::uint64_t changed_at = 0;
   };
   // Bits of traits_.
   static constexpr std::uint8_t is_awake = 1;
-  static constexpr std::uint8_t is_plain = 2;  // pairs with every other plain body
+  static constexpr std::uint8_t is_plain = 2;  // forms pairs with every other plain body
   static constexpr std::uint8_t is_compound = 4;
   struct Pair {
     std::uint64_t key = 0;
-    std::uint64_t tested_at = 0;  // the time of what follows; 0 if a body has changed since
-    Verdict verdict{};            // if asked
-    bool apart : 1 = false;       // boxes are
+    std::uint64_t tested_at = 0;  // time of the following members; 0 if a body has changed since
+    Verdict verdict{};            // valid if `asked`
+    bool apart : 1 = false;       // by their boxes
     bool asked : 1 = false;
     bool counted : 1 = false;    // by CandidateStatistics::asked
     bool refused : 1 = false;    // by CandidateOptions::accept, if this search has one
-    bool candidate : 1 = false;  // in the search before, or in this one if it has come there
+    bool candidate : 1 = false;  // in the previous search, or in this one once it has come to the pair
   };
-  // A pair that was a candidate and is kept no longer.
+  // A pair that was a candidate and is no longer kept.
   struct Ended {
     std::uint64_t key = 0;
     BodyId a{}, b{};
     HalfSpaceId half_space{};
-    bool apart = false;  // boxes are
+    bool apart = false;  // by their boxes
     // NOLINTNEXTLINE(modernize-use-nullptr): what the compiler writes for it
     friend auto operator<=>(const Ended&, const Ended&) = default;
   };
-  // Nothing that outlasts a call: not copied.
+  // Data that do not outlast a call and are not copied.
   struct Scratch {
     Scratch() = default;
     Scratch(const Scratch&) {}
@@ -121,7 +121,7 @@ class ENCAGE_HIDDEN World::State {
   class Search;
 
   static constexpr std::uint8_t outdated = 1, listed_as_removed = 2;  // bits of outdated_
-  static constexpr std::uint8_t still_same = 2, active = 4;           // and with `outdated` of a status
+  static constexpr std::uint8_t still_same = 2, active = 4;           // the bits of a status, with `outdated`
 
   const ShapePtr& shape_of(const Body& body) const { return shapes_[index(body.shape)].shape; }
   void check_options(BodyId id, const BodyOptions& options) const;
@@ -129,7 +129,7 @@ class ENCAGE_HIDDEN World::State {
   FloatBox tree_box(const Bounds& bounds) const noexcept;
   void update(std::uint32_t body) noexcept;
 
-  // Pairs whose tree boxes overlap.
+  // Functions for the pairs whose tree boxes overlap.
   void stir_sleepers() noexcept;
   void collect(double margin, const Executor& executor);
   void find_boxes(const Executor& executor);
@@ -151,7 +151,7 @@ class ENCAGE_HIDDEN World::State {
 
   double margin_of(std::uint64_t key, double margin) const noexcept;
   bool is_current(const Pair& pair) const noexcept;
-  // Tasks of a search call these at the same time, for different pairs.
+  // Tasks of a search call these functions at the same time, for different pairs.
   bool boxes_are_apart(std::uint64_t key, double margin) const noexcept;
   Verdict ask(const Pair& pair, PairOptions options) const noexcept;
   template <class Visit>
@@ -161,33 +161,33 @@ class ENCAGE_HIDDEN World::State {
   IdTable<ShapeId> shape_ids_;
   IdTable<BodyId> body_ids_;
   IdTable<HalfSpaceId> plane_ids_;
-  // By index.
+  // These are indexed by ids' indices.
   std::vector<SharedShape> shapes_;
   std::vector<Plane> planes_;
   std::vector<Body> bodies_;
   std::vector<Bounds> bounds_;
-  std::vector<std::uint8_t> traits_;  // few bytes, for what is asked of every pair found
-  // Added, removed, woken, or out of their place in the tree since pairs were collected.
+  std::vector<std::uint8_t> traits_;  // few bytes, read for every pair found
+  // Nonzero for objects that were added, removed, woken or changed since pairs were collected.
   std::vector<std::uint8_t> outdated_, outdated_planes_;
-  std::vector<BodyId> collected_;              // whose pairs are known
-  std::vector<HalfSpaceId> collected_planes_;  // the same
-  std::vector<std::uint32_t> removed_;         // since pairs were collected
+  std::vector<BodyId> collected_;              // the bodies whose pairs are known
+  std::vector<HalfSpaceId> collected_planes_;  // the same for half-spaces
+  std::vector<std::uint32_t> removed_;         // bodies removed since pairs were collected
 
   BodyTree tree_;
   std::uint64_t clock_ = 0;        // counts changes and searches
-  std::uint64_t searched_at_ = 0;  // the last search that came to its end
-  std::uint64_t complete_at_ = 0;  // the last one that left no pair unasked
+  std::uint64_t searched_at_ = 0;  // time of the last search that came to its end
+  std::uint64_t complete_at_ = 0;  // time of the last search that tested all pairs
   // The least margin at which pairs have been left out.
   double left_out_margin_ = std::numeric_limits<double>::infinity();
-  bool has_stirred_ = false;  // something is active for having been changed only
+  bool has_stirred_ = false;  // something is active only because it was changed
 
-  std::vector<Pair> pairs_;  // all that are allowed and whose tree boxes overlap, by key
-  SleepingPairs sleeping_;   // candidates that are left out
+  std::vector<Pair> pairs_;  // all that are allowed and whose tree boxes overlap, sorted by key
+  SleepingPairs sleeping_;   // candidates that the search leaves out
   std::vector<Ended> ended_;
   std::size_t ended_visited_ = 0;
-  bool has_stale_pairs_ = false;  // of what was removed or fell asleep
+  bool has_stale_pairs_ = false;  // of objects that were removed or fell asleep
   bool has_outdated_planes_ = false;
-  double collected_margin_ = 0;  // pairs_ is complete up to this one
+  double collected_margin_ = 0;  // pairs_ is complete up to this margin
   PairOptions last_options_;
   std::uint64_t options_changed_at_ = 0;
   Scratch scratch_;

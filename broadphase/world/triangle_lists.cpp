@@ -11,7 +11,7 @@ void TriangleLists::clear() {
 }
 
 std::int32_t TriangleLists::take_block() noexcept {
-  // Asked first, so that failures do not count up without end.
+  // This is tested first, so that failures do not increase the counter without end.
   if (used_.load(std::memory_order_relaxed) >= block_count) return -1;
   const std::int32_t block = used_.fetch_add(1, std::memory_order_relaxed);
   return block < block_count ? block : -1;
@@ -19,8 +19,8 @@ std::int32_t TriangleLists::take_block() noexcept {
 
 bool TriangleLists::Writer::push(TrianglePair pair) noexcept {
   if (!list_.complete()) return false;
-  const int place = list_.size % block_size;
-  if (place == 0) {
+  const int slot = list_.size % block_size;
+  if (slot == 0) {
     const std::int32_t block = lists_.take_block();
     if (block < 0) {
       list_.size = -1;
@@ -29,7 +29,7 @@ bool TriangleLists::Writer::push(TrianglePair pair) noexcept {
     (list_.size == 0 ? list_.first_block : lists_.blocks_[block_].next) = block;
     block_ = block;
   }
-  lists_.blocks_[block_].pairs[place] = pair;
+  lists_.blocks_[block_].pairs[slot] = pair;
   ++list_.size;
   return true;
 }

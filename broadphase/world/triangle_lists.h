@@ -12,23 +12,23 @@
 
 namespace encage {
 
-/// Lists of pairs of triangles that several threads write at once, in blocks of a pool
-/// of fixed size: no locks, and no allocation but the pool's. A list that the pool has no room for is incomplete.
+/// Lists of pairs of triangles that several threads write at once, in blocks of a pool of fixed size: no locks, and no
+/// allocation but the pool's. A list for which the pool has no room is incomplete.
 class TriangleLists {
  public:
   static constexpr int block_size = 64, block_count = 4096;
 
   struct List {
     std::int32_t first_block = -1;
-    std::int32_t size = 0;  ///< -1: incomplete
+    std::int32_t size = 0;  ///< -1 if incomplete
     bool complete() const noexcept { return size >= 0; }
   };
 
-  /// Writes one list; by one thread.
+  /// Writes one list; for one thread.
   class Writer {
    public:
     explicit Writer(TriangleLists& lists) noexcept : lists_(lists) {}
-    /// False if there is no room.
+    /// Returns false if there is no room.
     bool push(TrianglePair pair) noexcept;
     const List& list() const noexcept { return list_; }
 
@@ -38,11 +38,11 @@ class TriangleLists {
     std::int32_t block_ = -1;
   };
 
-  /// Forgets all lists. Allocates the pool at the first call.
+  /// Clears all lists. The first call allocates the pool.
   void clear();
 
-  /// The content of a complete list, valid while neither the list nor `room` changes: copied into `room`
-  /// if it is scattered.
+  /// Returns the content of a complete list, valid while neither the list nor `room` changes. A list that is scattered
+  /// over several blocks is copied into `room`.
   std::span<const TrianglePair> read(const List& list, std::vector<TrianglePair>& room) const;
 
  private:

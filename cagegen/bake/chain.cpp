@@ -33,17 +33,17 @@ std::vector<Recipe> recipes(const BakeOptions& options, const std::vector<std::i
   return all;
 }
 
-Chain make_chain(LevelMaker& maker, const Recipe& recipe, const ChainPlace& place) {
+Chain make_chain(LevelMaker& maker, const Recipe& recipe, const ChainRank& rank) {
   Chain chain;
   chain.name = recipe.name;
   const std::vector<LevelTarget>& targets = recipe.targets;
   LevelProgress progress;
-  if (place.count > 1) progress.chain = recipe.name;
-  progress.share = 1.0 / static_cast<double>(place.count * targets.size());
+  if (rank.count > 1) progress.chain = recipe.name;
+  progress.share = 1.0 / static_cast<double>(rank.count * targets.size());
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    progress.may_give_up = place.expendable || !chain.levels.empty();
+    progress.may_give_up = rank.expendable || !chain.levels.empty();
     if (progress.may_give_up && maker.expired()) return chain;
-    progress.done = static_cast<double>(place.number * targets.size() + i) * progress.share;
+    progress.done = static_cast<double>(rank.number * targets.size() + i) * progress.share;
     const MadeLevel* finer = chain.levels.empty() ? nullptr : &chain.levels.back();
     std::optional<MadeLevel> made = maker.make(finer, targets[i], progress, chain.failure);
     if (!made) {

@@ -2,12 +2,11 @@
 #include "cagegen/bake/level_maker.h"
 
 #include "cagegen/bake/coarse_meshes.h"
-#include "cagegen/bake/run_reporting.h"
-#include "cagegen/collapse/level.h"
-#include "cagegen/nested/nested_level.h"
+#include "cagegen/collapse/collapse_level.h"
+#include "cagegen/flow/flow_level.h"
+#include "cagegen/threads/run_reporting.h"
 
 #include <algorithm>
-#include <cassert>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -19,53 +18,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// When a time limit is over; never, if that lies beyond what the clock can count.
+std::optional<Clock::time_point> deadline(const std::optional<double>& seconds) {
+  constexpr double century = 3e9;  // seconds; the clock counts 292 years in nanoseconds
+  if (!seconds || *seconds > century) return std::nullopt;
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
+}
+
 }  // namespace
-
-/// Decides about the candidates of one level by the certificate, and keeps it for the one that is returned.
-class LevelMaker::Proof {
- public:
-  Proof(const TriangleMesh& inner, Solid solid, const BakeOptions& options, Journal& journal)
-      : inner_(inner), solid_(solid), options_(options), journal_(journal) {}
-
-  bool accept(const makers::Candidate& candidate) {
-    CertifyResult proof = certify(inner_, solid_, candidate.cage);
-    if (!proof.holds) {
-      journal_.add("candidate refused by the certificate: " + candidate.start + ": " + proof.reason);
-      return false;
-    }
-    if (options_.topology == Topology::keep && proof.certificate.no_new_handles == false) return false;
-    accepted_.emplace_back(candidate.cage.vertices, std::move(proof.certificate));
-    return true;
-  }
-
-  CageLevel level(makers::Candidate candidate, Method method, double source_volume) const {
-    const auto found = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& entry) {
-      return entry.first.rows() == candidate.cage.vertices.rows() && entry.first == candidate.cage.vertices;
-    });
-    assert(found != accepted_.end());
-    CageLevel level{std::move(candidate.cage), found->second};
-    level.certificate.method = method;
-    level.certificate.start = std::move(candidate.start);
-    if (source_volume > 0) level.certificate.volume_ratio = level.certificate.volume / source_volume;
-    return level;
-  }
-
- private:
-  const TriangleMesh& inner_;
-  Solid solid_;
-  const BakeOptions& options_;
-  Journal& journal_;
-  std::vector<std::pair<Vertices, Certificate>> accepted_;
-};
 
 LevelMaker::LevelMaker(const SourceMesh& source, const BakeOptions& options, const BakeContext& context)
     : source_(source), options_(options), context_(context) {
   threads_ = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   control_.cancel = context.cancel;
-  if (options.time_limit) {
-    control_.deadline =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*options.time_limit));
-  }
+  control_.deadline = deadline(options.time_limit);
 }
 
 std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTarget& target,
@@ -109,15 +75,30 @@ std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTar
 }
 
 void LevelMaker::work(const MadeLevel* finer, const LevelTarget& target, MadeLevel& made, std::string& failure) {
-  const TriangleMesh& inner = finer != nullptr ? finer->level.mesh : source_.obstacle;
-  const makers::Obstacle obstacle(inner);
-  Proof proof(inner, finer != nullptr ? Solid::closed : source_.solid, options_, journal_);
+  makers::LevelRequest request;
+  request.inner = finer != nullptr ? &finer->level.mesh : &source_.obstacle;
+  request.clean = finer != nullptr ? &finer->level.mesh : &source_.clean;
+  request.manifold = finer != nullptr || source_.manifold;
+  request.origin = source_.origin;
+  request.faces = target.faces;
+  request.diagonal = source_.diagonal;
+  request.clearance = options_.min_clearance * source_.diagonal;
+  request.topology = options_.topology;
+  request.threads = threads_;
+  request.log = [&](std::string_view message) { journal_.add(std::string(message)); };
+  const makers::Obstacle obstacle(*request.inner);
   try {
-    if (target.method == Method::flow) {
-      make_by_flow(obstacle, finer, target, proof, made, failure);
-    } else {
-      make_by_collapse(obstacle, finer, target, proof, made);
-    }
+    makers::LevelResult result = make_by(target.method, obstacle, request, finer, target.coarse);
+    made.level = {std::move(result.candidate.cage), std::move(result.certificate)};
+    Certificate& certificate = made.level.certificate;
+    // The collapse ends with the hull where nothing else holds.
+    const bool hull = target.method == Method::collapse && result.candidate.start == "hull";
+    certificate.method = hull ? Method::hull : target.method;
+    certificate.start = std::move(result.candidate.start);
+    if (source_.volume > 0) certificate.volume_ratio = certificate.volume / source_.volume;
+    made.undeformed = std::move(result.undeformed);
+    made.times.flow_seconds = result.flow_seconds;
+    made.times.reinflate_seconds = result.reinflate_seconds;
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
@@ -125,55 +106,34 @@ void LevelMaker::work(const MadeLevel* finer, const LevelTarget& target, MadeLev
   }
 }
 
-void LevelMaker::make_by_collapse(const makers::Obstacle& obstacle, const MadeLevel* finer, const LevelTarget& target,
-                                  Proof& proof, MadeLevel& made) {
-  makers::LevelRequest request;
-  request.clean = finer != nullptr ? &finer->level.mesh : &source_.clean;
-  request.manifold = finer != nullptr || source_.manifold;
-  request.faces = target.faces;
-  request.diagonal = source_.diagonal;
-  request.clearance = options_.min_clearance * source_.diagonal;
-  request.topology = options_.topology;
-  request.hull_only = target.method == Method::hull;
-  request.threads = threads_;
-  makers::Candidate best = makers::build_level(
-      obstacle, request, control_, [&](const makers::Candidate& candidate) { return proof.accept(candidate); });
-  const Method method = best.start == "hull" ? Method::hull : Method::collapse;
-  made.level = proof.level(std::move(best), method, source_.volume);
+makers::LevelResult LevelMaker::make_by(Method method, const makers::Obstacle& obstacle,
+                                        const makers::LevelRequest& request, const MadeLevel* finer,
+                                        const TriangleMesh* coarse) {
+  const Solid solid = finer != nullptr ? Solid::closed : source_.solid;
+  const auto decide = [&](const makers::Candidate& candidate) { return accept(*request.inner, solid, candidate); };
+  if (method == Method::hull) return makers::hull_level(obstacle, request, control_, decide);
+  if (method == Method::collapse) return makers::collapse_level(obstacle, request, control_, decide);
+  makers::FlowChoices choices;
+  if (finer != nullptr && finer->undeformed.triangles.rows() > 0) choices.undeformed = &finer->undeformed;
+  choices.coarse = coarse;
+  choices.decimator = checked_decimator(options_.decimator, options_.decimator_name);
+  choices.decimator_name = options_.decimator_name;
+  choices.inflate = options_.energy_inflate ? options_.energy_inflate : step_energy();
+  choices.final = options_.energy_final ? options_.energy_final : volume_energy();
+  choices.path = options_.path;
+  return makers::flow_level(obstacle, request, choices, control_, decide);
 }
 
-void LevelMaker::make_by_flow(const makers::Obstacle& obstacle, const MadeLevel* finer, const LevelTarget& target,
-                              Proof& proof, MadeLevel& made, std::string& failure) {
-  makers::NestedRequest request;
-  request.inner = finer != nullptr ? &finer->level.mesh : &source_.obstacle;
-  request.clean = finer != nullptr ? &finer->level.mesh : &source_.clean;
-  request.manifold = finer != nullptr || source_.manifold;
-  if (finer != nullptr && finer->undeformed.triangles.rows() > 0) request.undeformed = &finer->undeformed;
-  request.coarse = target.coarse;
-  request.decimator = checked_decimator(options_.decimator, options_.decimator_name);
-  request.decimator_name = options_.decimator_name;
-  request.origin = source_.origin;
-  request.faces = target.faces;
-  request.diagonal = source_.diagonal;
-  request.clearance = options_.min_clearance * source_.diagonal;
-  request.topology = options_.topology;
-  request.inflate = options_.energy_inflate ? options_.energy_inflate : step_energy();
-  request.final = options_.energy_final ? options_.energy_final : volume_energy();
-  request.path = options_.path;
-  request.threads = threads_;
-  request.log = [&](std::string_view message) { journal_.add(std::string(message)); };
-  auto result = makers::build_nested_level(
-      obstacle, request, control_, [&](const makers::Candidate& candidate) { return proof.accept(candidate); },
-      failure);
-  if (!result) {
-    if (failure.empty()) failure = "no coarse mesh could be nested";
-    return;
+/// The one place where a candidate becomes a certified cage.
+std::optional<Certificate> LevelMaker::accept(const TriangleMesh& inner, Solid solid,
+                                              const makers::Candidate& candidate) {
+  CertifyResult proof = certify(inner, solid, candidate.cage);
+  if (!proof.holds) {
+    journal_.add("candidate refused by the certificate: " + candidate.start + ": " + proof.reason);
+    return std::nullopt;
   }
-  failure.clear();
-  made.level = proof.level(std::move(result->candidate), Method::flow, source_.volume);
-  made.undeformed = std::move(result->undeformed);
-  made.times.flow_seconds = result->flow_seconds;
-  made.times.reinflate_seconds = result->reinflate_seconds;
+  if (options_.topology == Topology::keep && proof.certificate.no_new_handles == false) return std::nullopt;
+  return std::move(proof.certificate);
 }
 
 }  // namespace encage

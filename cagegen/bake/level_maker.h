@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cagegen/bake/journal.h"
-#include "cagegen/control.h"
-#include "cagegen/geometry/obstacle.h"
+#include "cagegen/level.h"
+#include "cagegen/threads/control.h"
+#include "cagegen/threads/journal.h"
 
 #include <encage/bake.h>
 
@@ -14,10 +14,10 @@
 
 namespace encage {
 
-/// One level, certified, and what the next one of the same chain needs to know of it.
+/// A certified level, with what the next level of the same chain needs.
 struct MadeLevel {
   CageLevel level;
-  /// The coarse mesh as its decimation made it, before the flow and re-inflation; empty if made by collapse.
+  /// The coarse mesh as decimated, before flow and re-inflation; empty if the level was made by collapse.
   TriangleMesh undeformed;
   BakeReport::Level times;
 };
@@ -28,12 +28,12 @@ struct LevelTarget {
   const TriangleMesh* coarse = nullptr;  ///< of the flow: made by the user, local frame
 };
 
-/// Where on the way of the whole bake a level stands.
+/// Which part of the whole bake a level is.
 struct LevelProgress {
-  std::string chain;  ///< what messages begin with; empty if there is but one
+  std::string chain;  ///< prefix of messages; empty if there is only one chain
   double done = 0;    ///< fraction of the bake before this level
-  double share = 1;   ///< fraction that this level is
-  /// There is something to return already, hence a level of the flow may be left unfinished when time is up.
+  double share = 1;   ///< fraction of the bake that this level takes
+  /// A level exists already, so that a level of the flow may be left unfinished when time is up.
   bool may_give_up = false;
 };
 
@@ -42,8 +42,9 @@ class LevelMaker {
  public:
   LevelMaker(const SourceMesh& source, const BakeOptions& options, const BakeContext& context);
 
-  /// The level around `finer`, or around the source if that is null. No value if it failed: `failure` says why; or
-  /// if time is up, which leaves `failure` empty. Throws Cancelled, and what the caller's functions throw.
+  /// Makes the level around `finer`, or around the source if that is null. Returns no value if the level failed, and
+  /// `failure` says why, or if time is up, and `failure` is empty. Throws Cancelled, and what the caller's functions
+  /// throw.
   std::optional<MadeLevel> make(const MadeLevel* finer, const LevelTarget& target, const LevelProgress& progress,
                                 std::string& failure);
 
@@ -51,13 +52,10 @@ class LevelMaker {
   bool out_of_time() const { return control_.out_of_time; }
 
  private:
-  class Proof;
-
   void work(const MadeLevel* finer, const LevelTarget& target, MadeLevel& made, std::string& failure);
-  void make_by_collapse(const makers::Obstacle& obstacle, const MadeLevel* finer, const LevelTarget& target,
-                        Proof& proof, MadeLevel& made);
-  void make_by_flow(const makers::Obstacle& obstacle, const MadeLevel* finer, const LevelTarget& target, Proof& proof,
-                    MadeLevel& made, std::string& failure);
+  makers::LevelResult make_by(Method method, const makers::Obstacle& obstacle, const makers::LevelRequest& request,
+                              const MadeLevel* finer, const TriangleMesh* coarse);
+  std::optional<Certificate> accept(const TriangleMesh& inner, Solid solid, const makers::Candidate& candidate);
 
   const SourceMesh& source_;
   const BakeOptions& options_;

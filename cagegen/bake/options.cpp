@@ -80,7 +80,10 @@ void validate(const BakeOptions& options) {
                 " is not between 0 and 0.1 diagonals");
   }
   if (options.threads < 0) throw Error("bake options: " + std::to_string(options.threads) + " threads");
-  if (options.time_limit && !(*options.time_limit > 0)) throw Error("bake options: the time limit must be positive");
+  if (options.time_limit && !(*options.time_limit > 0)) {
+    throw Error("bake options: a time limit of " + std::to_string(*options.time_limit) +
+                " seconds; it must be above 0, and may be infinite");
+  }
 }
 
 std::vector<std::int64_t> level_faces(const BakeOptions& options, std::int64_t source_faces,

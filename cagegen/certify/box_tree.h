@@ -8,9 +8,8 @@
 
 namespace encage::proof {
 
-/// Bounding-box tree over the triangles of one mesh, split at the median of the
-/// longest axis. The certificate's own: nothing here is shared with the makers
-/// of cages. Boxes are exact (minima and maxima of coordinates).
+/// Bounding-box tree over the triangles of one mesh, split at the median of the longest axis. The certificate's own:
+/// nothing here is shared with the makers of cages. Boxes are exact (minima and maxima of coordinates).
 struct BoxTree {
   struct Node {
     double low[3];

@@ -48,8 +48,8 @@ Refusal refuse_degenerate(const TriangleMesh& cage) {
   return std::nullopt;
 }
 
-/// An embedded closed surface bounds a solid if outward components lie outside the
-/// others' solid and inward ones (cavities) inside of it. Counts the latter.
+/// An embedded closed surface bounds a solid if outward components lie outside the others' solid and inward ones
+/// (cavities) inside of it. Counts the latter.
 Refusal refuse_orientation(const Surface& cage, int& cavities) {
   const std::vector<std::int32_t> first = first_triangles(cage);
   std::vector<std::vector<std::int32_t>> members(first.size());

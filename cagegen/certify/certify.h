@@ -5,8 +5,8 @@
 
 namespace encage {
 
-/// The part of certify() that concerns the cage alone: closed, oriented, embedded.
-/// Clearance and no_new_handles are left unset.
+/// Proves what concerns the cage alone: that it is closed, oriented and embedded. Clearance and no_new_handles are left
+/// unset.
 CertifyResult certify_alone(const TriangleMesh& cage);
 
 }  // namespace encage

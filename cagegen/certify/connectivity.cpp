@@ -55,9 +55,9 @@ class Builder {
     for (std::int32_t h = 0; h < half_edges_; ++h) ++first_[std::min(from(h), to(h)) + 1];
     for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
     sorted_.resize(static_cast<std::size_t>(half_edges_));
-    std::vector<std::int32_t> place(first_.begin(), first_.end() - 1);
+    std::vector<std::int32_t> next_slot(first_.begin(), first_.end() - 1);
     for (std::int32_t h = 0; h < half_edges_; ++h) {
-      sorted_[place[std::min(from(h), to(h))]++] = {std::max(from(h), to(h)), h};
+      sorted_[next_slot[std::min(from(h), to(h))]++] = {std::max(from(h), to(h)), h};
     }
     for (std::size_t v = 0; v + 1 < first_.size(); ++v) {
       std::sort(sorted_.begin() + first_[v], sorted_.begin() + first_[v + 1],
@@ -83,8 +83,8 @@ class Builder {
     ++edge_count_;
     std::int32_t balance = 0;
     for (std::int32_t i = begin; i < end; ++i) {
-      // A triangle with a repeated vertex is a segment run to and fro, or half of
-      // it; like is_closed(), do not count it.
+      // A triangle with a repeated vertex is a segment run to and fro, or half of it; like is_closed(), do not count
+      // it.
       if (!repeats_vertex(sorted_[i].id / 3)) balance += from(sorted_[i].id) == near ? 1 : -1;
     }
     if (balance != 0 && result_.open_edge.empty()) result_.open_edge = edge(near, far);

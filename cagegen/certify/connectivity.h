@@ -17,8 +17,8 @@ struct Connectivity {
   bool closed = false;
   /// An edge that breaks `closed`, as "edge 3-7".
   std::string open_edge;
-  /// Empty if the mesh is a closed, consistently oriented manifold, in edges and
-  /// in vertices; otherwise the first reason why not, e.g. "edge 3-7 borders 3 triangles".
+  /// Empty if the mesh is a closed, consistently oriented manifold, in edges and in vertices; otherwise the first
+  /// reason why not, e.g. "edge 3-7 borders 3 triangles".
   std::string defect;
   /// Sum over the components by Euler's formula; meaningful if `defect` is empty.
   int genus = 0;

@@ -170,8 +170,8 @@ class ContactSearch {
     }
   };
 
-  /// Boxes farther apart than the nearest pair cannot hold a nearer one. The factor
-  /// covers the rounding of the squares, the constant their underflow.
+  /// Boxes farther apart than the nearest pair cannot hold a nearer one. The factor covers the rounding of the squares,
+  /// the constant their underflow.
   bool too_far(double squared) const { return squared * (1 - 0x1p-48) >= std::max(nearest_ * nearest_, 1e-280); }
 
   void visit(std::int32_t t) {
@@ -212,8 +212,7 @@ class ContactSearch {
     settle_exactly(query, inner, t);
   }
 
-  /// Is the bound of this pair good enough, given that the distance of the surfaces
-  /// is at most about `upper`?
+  /// Is the bound of this pair good enough, given that the distance of the surfaces is at most about `upper`?
   bool settle(double lower, double upper, double rounding) {
     if (lower == 0 || lower < upper * (1 - clearance_slack) - rounding) return false;
     found_.clearance = std::min(found_.clearance, lower);

@@ -13,7 +13,7 @@
 
 namespace encage::proof {
 
-/// A mesh with what the proofs need to know about it. Refers to the mesh.
+/// A mesh with its connectivity and box tree, for the proofs. Refers to the mesh.
 struct Surface {
   const TriangleMesh& mesh;
   Connectivity connectivity;
@@ -24,13 +24,12 @@ struct Surface {
 
 using TrianglePair = std::pair<std::int32_t, std::int32_t>;
 
-/// Two triangles of `mesh` (none degenerate, a closed manifold by its indices) that have
-/// more in common than the vertices or the edge that they share; none if it is embedded.
+/// Two triangles of `mesh` (none degenerate, a closed manifold by its indices) that have more in common than the
+/// vertices or the edge that they share; none if it is embedded.
 std::optional<TrianglePair> self_intersection(const Surface& surface);
 
-/// The clearance is a lower bound of the distance, and falls short of it by no more than
-/// clearance_slack times the distance plus clearance_rounding times the extent of the
-/// nearest pair of triangles.
+/// The clearance is a lower bound of the distance, and falls short of it by no more than clearance_slack times the
+/// distance plus clearance_rounding times the extent of the nearest pair of triangles.
 inline constexpr double clearance_slack = 1e-6;
 inline constexpr double clearance_rounding = 0x1p-45;
 
@@ -46,8 +45,8 @@ struct Contact {
 /// Stops at the first pair at clearance 0. No triangle of `outer` may be degenerate.
 Contact contact(const Surface& inner, const Surface& outer);
 
-/// Winding number of a closed surface around a point that is not on it, by exact
-/// predicates; triangles of component `skip` are left out.
+/// Winding number of a closed surface around a point that is not on it, by exact predicates; triangles of component
+/// `skip` are left out.
 int winding_number(const Surface& surface, const Point& p, int skip = -1);
 
 /// The first triangle of every component, in the order of the labels.

@@ -25,8 +25,8 @@ struct Nearest {
 
 double clamp01(double x) { return std::clamp(x, 0.0, 1.0); }
 
-/// Closest points of segments a + s u and b + t v, s and t in [0,1]: minimise over s
-/// unbounded, clamp, best t, clamp, best s again.
+/// Closest points of segments a + s u and b + t v, s and t in [0,1]: minimise over s unbounded, clamp, best t, clamp,
+/// best s again.
 void edge_edge(const Point& a, const Point& u, const Point& b, const Point& v, Nearest& nearest) {
   const Point w = b - a;
   const double uu = u.squaredNorm();

@@ -9,12 +9,11 @@
 
 namespace encage::tool {
 
-/// `source`, `options`, `levels` (cages only, fine to coarse) and `truncated`:
-/// the keys that `bake`, `info` and encage-zoo have in common.
+/// `source`, `options`, `levels` (cages only, fine to coarse) and `truncated`: the keys that `bake`, `info` and
+/// encage-zoo have in common.
 nlohmann::ordered_json to_json(const CageHierarchy& hierarchy);
 
-/// Indented text with a newline at the end. Paths may hold bytes that are no
-/// UTF-8: they are replaced.
+/// Indented text with a newline at the end. Paths may hold bytes that are no UTF-8: they are replaced.
 std::string dump(const nlohmann::ordered_json& json);
 
 }  // namespace encage::tool

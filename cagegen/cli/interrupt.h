@@ -12,8 +12,8 @@ extern std::atomic<bool> interrupted;
 /// Throws Cancelled if `interrupted` is set: for the steps that take no context.
 void throw_if_interrupted();
 
-/// While it lives, the first Ctrl-C sets `interrupted` instead of ending the
-/// process; a second one ends it at once. One at a time.
+/// While it lives, the first Ctrl-C sets `interrupted` instead of ending the process; a second one ends it at once. One
+/// at a time.
 class InterruptScope {
  public:
   InterruptScope();

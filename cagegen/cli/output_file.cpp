@@ -5,15 +5,12 @@
 #include "cagegen/cli/is_asset.h"
 #include "src/files/atomic_file.h"
 
-#include <encage/asset.h>
 #include <encage/error.h>
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -27,26 +24,6 @@ bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code missing;
   return fs::equivalent(a, b, missing);
 }
-
-bool same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
-  return a.vertices.rows() == b.vertices.rows() && a.triangles.rows() == b.triangles.rows() &&
-         a.vertices == b.vertices && a.triangles == b.triangles;
-}
-
-bool same_levels(const CageHierarchy& a, const CageHierarchy& b) {
-  return a.origin == b.origin &&
-         std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(),
-                    [](const CageLevel& x, const CageLevel& y) { return same_mesh(x.mesh, y.mesh); });
-}
-
-/// Removes a file unless it has been renamed away.
-struct Leftover {
-  fs::path file;
-  ~Leftover() {
-    std::error_code ignored;
-    fs::remove(file, ignored);
-  }
-};
 
 }  // namespace
 
@@ -70,14 +47,5 @@ fs::path default_asset(const fs::path& input) {
 }
 
 void write_json(const fs::path& file, const nlohmann::ordered_json& json) { write_atomically(file, dump(json)); }
-
-void write_certified_asset(const fs::path& file, const CageHierarchy& hierarchy) {
-  const Leftover staged{file.string() + ".staged-" + std::to_string(getpid())};
-  write_asset(staged.file, hierarchy);
-  if (!same_levels(read_asset(staged.file, Verify::all), hierarchy)) {
-    throw std::logic_error(file.string() + ": the file read back differs from the certified cages");
-  }
-  fs::rename(staged.file, file);
-}
 
 }  // namespace encage::tool

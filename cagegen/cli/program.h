@@ -15,10 +15,9 @@ enum Status : int {
   cancelled = 130,   ///< Ctrl-C, by the shells' convention
 };
 
-/// What main() of every tool does: parses the command line, calls `run`, writes what
-/// is left of stdout, and returns the exit status: what `run` returned, or what became
-/// of an exception, whose message goes to stderr after the name of `app`. Help that
-/// was asked for is printed instead of running.
+/// What main() of every tool does: parses the command line, calls `run`, writes what is left of stdout, and returns the
+/// exit status: what `run` returned, or what became of an exception, whose message goes to stderr after the name of
+/// `app`. Help that was asked for is printed instead of running.
 int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
 
 }  // namespace encage::tool

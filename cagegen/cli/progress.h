@@ -11,8 +11,8 @@
 
 namespace encage::tool {
 
-/// Shows how far a bake is: a bar that redraws itself on a terminal, plain
-/// lines elsewhere. Not thread-safe; bake() reports from the calling thread.
+/// Shows how far a bake is: a bar that redraws itself on a terminal, plain lines elsewhere. Not thread-safe; bake()
+/// reports from the calling thread.
 class Progress {
  public:
   enum class Style { bar, lines };

@@ -12,11 +12,11 @@ namespace encage::makers {
 
 namespace {
 
-constexpr int kRounds = 8;                 // of cutting planes for one placement
-constexpr double kLift = 3;                // clearances that a placement aims for
-constexpr std::size_t kHitLimit = 64;      // per triangle and round
-constexpr double kThinnest = 1e-4;         // height / longest edge of a cage triangle
-constexpr std::int32_t kMovedVertex = -1;  // index of the vertex being placed
+constexpr int most_rounds = 8;             // of cutting planes for one placement
+constexpr double lift_clearances = 3;      // clearances that a placement aims for
+constexpr std::size_t hit_limit = 64;      // per triangle and round
+constexpr double thinnest_shape = 1e-4;    // height / longest edge of a cage triangle
+constexpr std::int32_t moved_vertex = -1;  // index of the vertex being placed
 
 }  // namespace
 
@@ -93,8 +93,8 @@ bool CageEditor::make_collapse_patch(std::int32_t u, std::int32_t v, Patch& patc
   }
   if (shared != 2 || patch.ring.size() < 3) return false;
   // Link condition: u and v share no neighbour but the two opposite corners.
-  thread_local std::vector<std::int32_t> nu;
-  thread_local std::vector<std::int32_t> nv;
+  std::vector<std::int32_t>& nu = scratch_.neighbours[0];
+  std::vector<std::int32_t>& nv = scratch_.neighbours[1];
   neighbours(u, nu);
   neighbours(v, nv);
   for (const std::int32_t a : nu) {
@@ -156,7 +156,7 @@ CageEditor::Objective CageEditor::objective(const Patch& patch, double quadric_w
 }
 
 double CageEditor::estimate_collapse(std::int32_t u, std::int32_t v) const {
-  thread_local Patch patch;
+  Patch& patch = scratch_.patch;
   if (!make_collapse_patch(u, v, patch)) return std::numeric_limits<double>::infinity();
   const Objective whole = objective(patch, options_.quadric_weight);
   const Objective volume = objective(patch, 0);
@@ -170,11 +170,11 @@ double CageEditor::estimate_collapse(std::int32_t u, std::int32_t v) const {
 
 std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t v) {
   assert(options_.quadric_weight > 0);  // the volume alone is linear: it has no minimum
-  thread_local Patch patch;
+  Patch& patch = scratch_.patch;
   if (!make_collapse_patch(u, v, patch)) return std::nullopt;
   const Objective o = objective(patch, options_.quadric_weight);
-  // A weak pull to the middle settles flat patches, where the quadric leaves p free; a strong one
-  // is tried if the weak one made a bad fan.
+  // A weak pull to the middle settles flat patches, where the quadric leaves p free; a strong one is tried if the weak
+  // one made a bad fan.
   for (const double pull : {1e-3, 1e-1}) {
     Eigen::Matrix3d a = o.matrix;
     a.diagonal().array() += pull * o.matrix.trace() + std::numeric_limits<double>::min();
@@ -186,7 +186,7 @@ std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t 
 }
 
 std::optional<Placement> CageEditor::plan_tightening(std::int32_t vertex, double reach) {
-  thread_local Patch patch;
+  Patch& patch = scratch_.patch;
   make_vertex_patch(vertex, patch);
   const Objective o = objective(patch, 0);
   // Volume is linear in p: a quadratic term makes the free step `reach` long.
@@ -203,14 +203,14 @@ std::optional<Placement> CageEditor::plan_tightening(std::int32_t vertex, double
 std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d& a, const Point& b,
                                        const Point& centre) {
   const double clearance = options_.clearance;
-  const double lift = kLift * clearance + 4 * rounding_;
+  const double lift = lift_clearances * clearance + 4 * rounding_;
   // One plane a ring edge: that through the edge over the part of the obstacle that needs it steepest.
-  thread_local std::vector<HalfSpace> planes;
-  thread_local std::vector<HalfSpace> active;
-  thread_local std::vector<std::int32_t> found;
+  std::vector<HalfSpace>& planes = scratch_.planes;
+  std::vector<HalfSpace>& active = scratch_.active;
+  std::vector<std::int32_t>& found = scratch_.hits;
   planes.assign(patch.ring.size(), {Point::Zero(), 0});
   Point last = Point::Constant(std::numeric_limits<double>::quiet_NaN());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < most_rounds; ++round) {
     active.clear();
     for (const HalfSpace& plane : planes) {
       if (!plane.normal.isZero(0)) active.push_back({plane.normal, plane.offset - plane.normal.dot(centre)});
@@ -241,7 +241,7 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
         continue;
       }
       found.clear();
-      obstacle_.hits(prism, clearance, kHitLimit, found);
+      obstacle_.hits(prism, clearance, hit_limit, found);
       if (found.empty()) continue;
       double needed = 0;
       for (const std::int32_t t : found) {
@@ -265,17 +265,17 @@ bool CageEditor::well_shaped(const Patch& patch, const Point& p) const {
     const Point e = position_[edge.b] - position_[edge.a];
     const Point f = p - position_[edge.a];
     const double longest2 = std::max({e.squaredNorm(), f.squaredNorm(), (p - position_[edge.b]).squaredNorm()});
-    if (!(e.cross(f).norm() > kThinnest * longest2)) return false;
+    if (!(e.cross(f).norm() > thinnest_shape * longest2)) return false;
   }
   return true;
 }
 
 bool CageEditor::cones_hold(const Patch& patch, const Point& p) const {
-  thread_local std::vector<Point> normals;
+  std::vector<Point>& normals = scratch_.normals;
   const auto normal_of = [](const Point& x, const Point& y, const Point& z) {
     return (y - x).cross(z - x).normalized();
   };
-  thread_local std::vector<Point> fan;
+  std::vector<Point>& fan = scratch_.fan;
   fan.clear();
   for (const RingEdge& edge : patch.ring) fan.push_back(normal_of(p, position_[edge.a], position_[edge.b]));
   if (!common_direction(fan)) return false;
@@ -302,7 +302,7 @@ bool CageEditor::keeps_representatives(const Patch& patch, const Point& p) const
   box.extend(p);
   for (int m = 0; m < patch.moved_count; ++m) box.extend(position_[patch.moved[m]]);
   for (const RingEdge& edge : patch.ring) box.extend(position_[edge.a]);
-  thread_local std::vector<Point> points;
+  std::vector<Point>& points = scratch_.representatives;
   points.clear();
   obstacle_.representatives(box, points);
   // Old and new patch bound the space between them: a point in it would change sides.
@@ -322,7 +322,7 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
     for (std::size_t j = i + 1; j < n; ++j) {
       const RingEdge& e = patch.ring[i];
       const RingEdge& f = patch.ring[j];
-      if (!separated({kMovedVertex, e.a, e.b}, {p, position_[e.a], position_[e.b]}, {kMovedVertex, f.a, f.b},
+      if (!separated({moved_vertex, e.a, e.b}, {p, position_[e.a], position_[e.b]}, {moved_vertex, f.a, f.b},
                      {p, position_[f.a], position_[f.b]}, options_.self_clearance)) {
         return false;
       }
@@ -339,7 +339,7 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
     tree_.traverse(filter, [&](std::int32_t t) {
       if (!clear || mark_[t] == stamp_) return;
       ++Obstacle::work();
-      clear = separated({kMovedVertex, edge.a, edge.b}, mine, triangle_[t], corners(t), clearance);
+      clear = separated({moved_vertex, edge.a, edge.b}, mine, triangle_[t], corners(t), clearance);
     });
     if (!clear) return false;
   }

@@ -18,21 +18,21 @@ struct EditorOptions {
   double clearance = 0;       ///< to the obstacle, length
   double self_clearance = 0;  ///< between triangles that share no vertex, length
   bool keep_cones = true;     ///< every vertex keeps a direction that all its triangles face
-  double quadric_weight = 1;  ///< of the quadric error against the added volume
+  double quadric_weight = 1;  ///< weight of the quadric error against the added volume
 };
 
-/// Where a vertex may go, and what that costs (volume).
+/// A position that a vertex may take, and the volume that this adds.
 struct Placement {
   Point position;
   double cost = 0;
 };
 
-/// A cage being edited: a closed, embedded manifold around an obstacle that it never touches. Every
-/// edit keeps that: it is planned first, against obstacle and cage, then applied. Vertices are
-/// exactly representable in float32 all the time.
+/// A cage being edited: a closed, embedded manifold around an obstacle that it never touches. Every edit is planned
+/// against obstacle and cage, then applied, and keeps that. Vertices are always exact in float32. One thread at a time
+/// may use it.
 class CageEditor {
  public:
-  /// `cage` must be closed, oriented, embedded and clear of the obstacle; kept by reference: obstacle.
+  /// `cage` must be closed, oriented, embedded and clear of the obstacle. Refers to the obstacle.
   CageEditor(const Obstacle& obstacle, const TriangleMesh& cage, const EditorOptions& options);
 
   std::int64_t face_count() const { return face_count_; }
@@ -43,7 +43,7 @@ class CageEditor {
   void set_options(const EditorOptions& options) { options_ = options; }
   const EditorOptions& options() const { return options_; }
 
-  /// Cost of merging the ends of an edge as far as the cage alone tells; a cheap lower estimate.
+  /// A cheap lower estimate of what merging the ends of an edge costs, without regard to the obstacle.
   double estimate_collapse(std::int32_t u, std::int32_t v) const;
   /// Plans merging u and v into one vertex; no value if it cannot be done.
   std::optional<Placement> plan_collapse(std::int32_t u, std::int32_t v);
@@ -70,10 +70,21 @@ class CageEditor {
     std::array<std::int32_t, 2> moved{-1, -1};  ///< the vertices that p replaces
     int moved_count = 0;
   };
+  /// Buffers that one plan leaves to the next, so that plans do not allocate.
+  struct Scratch {
+    Patch patch;
+    std::array<std::vector<std::int32_t>, 2> neighbours;
+    std::vector<HalfSpace> planes;  ///< one a ring edge
+    std::vector<HalfSpace> active;
+    std::vector<std::int32_t> hits;
+    std::vector<Point> fan;  ///< normals of the new triangles
+    std::vector<Point> normals;
+    std::vector<Point> representatives;
+  };
   struct Objective {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
     Point vector = Point::Zero();
-    Point centre = Point::Zero();  ///< the problem is stated relative to it
+    Point centre = Point::Zero();  ///< origin of the problem
     double constant = 0;
     double cost(const Point& p) const;
   };
@@ -101,7 +112,8 @@ class CageEditor {
   TriangleTree tree_;
   std::int64_t built_for_ = 0;
   std::int64_t edits_ = 0;
-  double rounding_ = 0;  ///< of a vertex to float32
+  double rounding_ = 0;  ///< error of rounding a vertex to float32
+  mutable Scratch scratch_;
   mutable std::vector<std::int32_t> mark_;
   mutable std::int32_t stamp_ = 0;
 };

@@ -15,8 +15,8 @@ struct CollapseLimits {
   std::function<void(double fraction)> progress;  ///< may throw to cancel
 };
 
-/// Merges edges, cheapest first, until the limit of faces is reached (true) or nothing more can be
-/// merged, the volume explodes or the work is spent (false).
+/// Merges edges, cheapest first, until the limit of faces is reached (true) or nothing more can be merged, the volume
+/// explodes or the work is spent (false).
 bool collapse_edges(CageEditor& cage, const CollapseLimits& limits);
 
 /// Moves every vertex once, in order, to where the cage encloses least. Returns the volume gained.

@@ -10,9 +10,9 @@
 
 namespace encage::makers {
 
-/// Convex hull of finite points, outward; exact. Its vertices are the extreme points in lexicographic
-/// order, its faces fans of the hull's facets, so that it depends on the set of points alone (that of
-/// CGAL depends on addresses where more than three points are coplanar). No value if it is flat.
+/// Convex hull of finite points, outward; exact. Its vertices are the extreme points in lexicographic order, its faces
+/// fans of the hull's facets, so that it depends on the set of points alone (that of CGAL depends on addresses where
+/// more than three points are coplanar). No value if it is flat.
 std::optional<TriangleMesh> convex_hull(std::span<const Eigen::Vector3d> points);
 
 }  // namespace encage::makers

@@ -44,7 +44,7 @@ struct Contacts {
 };
 
 // Starts may come closer to themselves than edits are allowed to: short edges bring triangles together.
-constexpr double kSelfClearance = 1e-3;
+constexpr double start_self_clearances = 1e-3;
 
 Contacts find_contacts(const Obstacle& obstacle, const TriangleMesh& cage, double clearance,
                        const std::vector<bool>* only) {
@@ -63,7 +63,7 @@ Contacts find_contacts(const Obstacle& obstacle, const TriangleMesh& cage, doubl
     tree.traverse(obstacle.near(prism, clearance), [&](std::int32_t other) {
       if (other == static_cast<std::int32_t>(t) || contacts.self[t]) return;
       if (!separated(indices(cage, static_cast<std::int64_t>(t)), mine, indices(cage, other), corners(cage, other),
-                     kSelfClearance * clearance)) {
+                     start_self_clearances * clearance)) {
         contacts.self[t] = true;
         contacts.self[other] = true;
       }
@@ -175,8 +175,8 @@ std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const Triangl
         if (contacts.obstacle[t]) deep[v] = true;
       }
     }
-    // Folds, and vertices that no direction lifts clear of the obstacle, vanish by smoothing; strands that
-    // come too close to each other need less height.
+    // Folds, and vertices that no direction lifts clear of the obstacle, vanish by smoothing; strands that come too
+    // close to each other need less height.
     const bool smooths = grow && round % 3 != 2;
     std::vector<bool> rough = self;
     for (std::size_t v = 0; v < vertex_count; ++v) {
@@ -282,8 +282,8 @@ TriangleMesh outermost_components(const TriangleMesh& cage) {
   for (std::size_t t = 0; t < label.size(); ++t) {
     part[label[t]].triangles.row(count[label[t]]++) = cage.triangles.row(static_cast<std::int64_t>(t));
   }
-  // Whether one component lies inside another, by the solid angle its surface fills: these surfaces
-  // do not touch, so that the sum is far from the threshold.
+  // Whether one component lies inside another, by the solid angle its surface fills: these surfaces do not touch, so
+  // that the sum is far from the threshold.
   const auto inside = [&](std::size_t inner, std::size_t outer) {
     const Point x = part[inner].corner(0, 0);
     if (!bounds(part[outer]).contains(x)) return false;

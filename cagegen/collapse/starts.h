@@ -12,17 +12,17 @@
 
 namespace encage::makers {
 
-// Closed surfaces around an obstacle from which a collapse can begin. Vertices are exactly
-// representable in float32. No value if the attempt failed.
+// Closed surfaces around an obstacle from which a collapse can begin. Vertices are exactly representable in float32. No
+// value if the attempt failed.
 
-/// A surface moved outward by `height`; needs a closed oriented manifold. Where it touches something,
-/// vertices are moved less if the surface is the obstacle's own (`grow` false). If it only resembles
-/// the obstacle (`grow` true), they are moved more, and folds are smoothed away.
+/// A surface moved outward by `height`; needs a closed oriented manifold. Where it touches something, vertices are
+/// moved less if the surface is the obstacle's own (`grow` false). If it only resembles the obstacle (`grow` true),
+/// they are moved more, and folds are smoothed away.
 std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const TriangleMesh& surface, double height,
                                          bool grow, double clearance);
 
-/// Pulls apart what meets at non-manifold edges and vertices, and drops pairs of opposite triangles
-/// and unused vertices. The parts still touch there.
+/// Pulls apart what meets at non-manifold edges and vertices, and drops pairs of opposite triangles and unused
+/// vertices. The parts still touch there.
 TriangleMesh make_manifold(const TriangleMesh& mesh);
 
 /// A plain decimation to about `faces`, manifold but not clear of anything; by meshoptimizer.
@@ -30,6 +30,9 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::int64_t faces);
 
 /// The outermost surfaces of CGAL's alpha wrap of a mesh without degenerate triangles; alpha and offset are lengths.
 TriangleMesh alpha_wrap(const TriangleMesh& clean, double alpha, double offset);
+
+/// The offset of an alpha wrap, of its alpha.
+constexpr double wrap_offset = 1.0 / 12;
 
 /// An alpha wrap that is clear of the obstacle.
 std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,

@@ -103,8 +103,8 @@ std::vector<Point> rows(const Vertices& vertices) {
   return points;
 }
 
-/// The hull of boxes around points that are first scaled about a centre. Rounded before the hull is
-/// taken: the result is convex, exactly. No value if it is flat.
+/// The hull of boxes around points that are first scaled about a centre. Rounded before the hull is taken: the result
+/// is convex, exactly. No value if it is flat.
 std::optional<TriangleMesh> padded_hull(const std::vector<Point>& points, const Point& centre, double scale,
                                         double padding) {
   std::vector<Point> padded;

@@ -3,23 +3,25 @@
 
 #include "cagegen/geometry/closest.h"
 #include "cagegen/geometry/separation.h"
+#include "cagegen/threads/parallel.h"
 #include "src/mesh/rounding.h"
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
+#include <mutex>
 #include <utility>
 
 namespace encage::makers {
 
 namespace {
 
-constexpr int kRounds = 8;   // of contact generation in one step
-constexpr int kSweeps = 60;  // of projected Gauss-Seidel in one solve
-constexpr int kSlowSweeps = 400;
-constexpr double kLift = 1.6;  // clearances that a contact asks for
-constexpr std::size_t kHitLimit = 24;
-constexpr double kThinnest = 1e-4;
+constexpr int most_rounds = 8;   // of contact generation in one step
+constexpr int most_sweeps = 60;  // of projected Gauss-Seidel in one solve
+constexpr int slow_sweeps = 400;
+constexpr double lift_clearances = 1.6;  // clearances that a contact asks for
+constexpr std::size_t hit_limit = 24;
+constexpr std::size_t least_per_thread = 128;  // faces worth a thread
+constexpr double thinnest_shape = 1e-4;
 
 template <class Pairs>
 void sort_unique(Pairs& pairs) {
@@ -32,9 +34,9 @@ bool contains(const Pairs& sorted, const Pair& pair) {
   return std::binary_search(sorted.begin(), sorted.end(), pair);
 }
 
-double largest_coordinate(const ContactSolver::Places& places) {
+double largest_coordinate(const ContactSolver::Positions& positions) {
   double largest = 0;
-  for (const Point& p : places) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  for (const Point& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
   return largest;
 }
 
@@ -72,25 +74,25 @@ ClosestPair closest_beside(const std::array<std::int32_t, 3>& index_s, const Cor
 
 ContactSolver::ContactSolver(const TriangleMesh& cage, ContactOptions options) : options_(std::move(options)) {
   for (std::int64_t v = 0; v < cage.vertices.rows(); ++v) {
-    place_.push_back(cage.vertex(static_cast<std::int32_t>(v)));
+    position_.push_back(cage.vertex(static_cast<std::int32_t>(v)));
   }
-  incident_.resize(place_.size());
+  incident_.resize(position_.size());
   for (std::int64_t t = 0; t < cage.triangles.rows(); ++t) {
     face_.push_back({cage.triangles(t, 0), cage.triangles(t, 1), cage.triangles(t, 2)});
     for (const std::int32_t v : face_.back()) incident_[v].push_back(static_cast<std::int32_t>(t));
   }
   box_.resize(face_.size());
-  for (std::size_t f = 0; f < face_.size(); ++f) fit_box(place_, static_cast<std::int32_t>(f));
+  for (std::size_t f = 0; f < face_.size(); ++f) fit_box(position_, static_cast<std::int32_t>(f));
   tree_.build(box_);
-  tested_ = place_;
+  tested_ = position_;
   dirty_.assign(face_.size(), false);
 }
 
 TriangleMesh ContactSolver::mesh() const {
   TriangleMesh mesh;
-  mesh.vertices.resize(static_cast<std::int64_t>(place_.size()), 3);
-  for (std::size_t v = 0; v < place_.size(); ++v) {
-    mesh.vertices.row(static_cast<std::int64_t>(v)) = place_[v].transpose();
+  mesh.vertices.resize(static_cast<std::int64_t>(position_.size()), 3);
+  for (std::size_t v = 0; v < position_.size(); ++v) {
+    mesh.vertices.row(static_cast<std::int64_t>(v)) = position_[v].transpose();
   }
   mesh.triangles.resize(static_cast<std::int64_t>(face_.size()), 3);
   for (std::size_t f = 0; f < face_.size(); ++f) {
@@ -99,18 +101,18 @@ TriangleMesh ContactSolver::mesh() const {
   return mesh;
 }
 
-ContactSolver::Places ContactSolver::approach(const Obstacle& obstacle, const Places& wanted) {
+ContactSolver::Positions ContactSolver::approach(const Obstacle& obstacle, const Positions& wanted) {
   const Step step{obstacle, obstacle, false, 0};
-  Places y;
+  Positions y;
   resolve(step, wanted, y);
   retreat(step, y);
   return y;
 }
 
-std::optional<ContactSolver::Places> ContactSolver::follow(const Obstacle& before, const Obstacle& after,
-                                                           const Places& wanted, double reach) {
+std::optional<ContactSolver::Positions> ContactSolver::follow(const Obstacle& before, const Obstacle& after,
+                                                              const Positions& wanted, double reach) {
   const Step step{before, after, true, reach};
-  Places y;
+  Positions y;
   jammed_.clear();
   if (resolve(step, wanted, y)) return y;
   for (const Pair& pair : hits_) {
@@ -122,11 +124,11 @@ std::optional<ContactSolver::Places> ContactSolver::follow(const Obstacle& befor
 }
 
 /// The QP with contacts made as they are met: true if nothing touches in the end.
-bool ContactSolver::resolve(const Step& step, const Places& wanted, Places& y) {
+bool ContactSolver::resolve(const Step& step, const Positions& wanted, Positions& y) {
   begin(step);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < most_rounds; ++round) {
     options_.check();
-    project(wanted, step.reach > 0 ? kSlowSweeps : kSweeps, y);
+    project(wanted, step.reach > 0 ? slow_sweeps : most_sweeps, y);
     for (Point& p : y) p = round_to_float(p);
     retest(step, y);
     if (hits_.empty()) return true;
@@ -144,7 +146,7 @@ bool ContactSolver::resolve(const Step& step, const Places& wanted, Places& y) {
   return false;
 }
 
-void ContactSolver::fit_box(const Places& y, std::int32_t f) {
+void ContactSolver::fit_box(const Positions& y, std::int32_t f) {
   box_[f].setEmpty();
   for (const std::int32_t v : face_[f]) box_[f].extend(y[v]);
 }
@@ -158,12 +160,12 @@ void ContactSolver::begin(const Step& step) {
   }
   sort_unique(known_);
   contacts_.clear();
-  magnitude_ = largest_coordinate(place_);
+  magnitude_ = largest_coordinate(position_);
   // What was tested last need not have been taken.
-  if (tested_ != place_) {
-    for (std::size_t f = 0; f < face_.size(); ++f) fit_box(place_, static_cast<std::int32_t>(f));
+  if (tested_ != position_) {
+    for (std::size_t f = 0; f < face_.size(); ++f) fit_box(position_, static_cast<std::int32_t>(f));
     tree_.refit(box_);
-    tested_ = place_;
+    tested_ = position_;
   }
   if (step.reach > 0) {
     add_all_near(step);
@@ -174,8 +176,8 @@ void ContactSolver::begin(const Step& step) {
   test_all_ = step.moves;
 }
 
-/// Linearises a pair at the present valid state. `strict`: all corners of the face stay beyond the plane between
-/// the closest points, and the obstacle's triangle below it: two convex sets separated for sure.
+/// Linearises a pair at the present valid state. `strict`: all corners of the face stay beyond the plane between the
+/// closest points, and the obstacle's triangle below it: two convex sets separated for sure.
 void ContactSolver::add_contact(const Step& step, const Pair& pair, bool strict) {
   if (pair.other >= 0) {
     add_obstacle_contact(step, pair, strict);
@@ -186,7 +188,7 @@ void ContactSolver::add_contact(const Step& step, const Pair& pair, bool strict)
 }
 
 void ContactSolver::add_obstacle_contact(const Step& step, const Pair& pair, bool strict) {
-  const Corners mine = corners(place_, pair.face);
+  const Corners mine = corners(position_, pair.face);
   const Corners& theirs = step.before.corners(pair.other);
   const ClosestPair closest = closest_points(mine, theirs);
   const Point across = at(mine, closest.weight_s) - at(theirs, closest.weight_t);
@@ -195,7 +197,7 @@ void ContactSolver::add_obstacle_contact(const Step& step, const Pair& pair, boo
   const Point normal = across / distance;
   const Corners& target = step.after.corners(pair.other);
   // Never ask for more than there is: at rest, the present state must remain feasible.
-  const double gap = std::min(kLift * options_.clearance, distance);
+  const double gap = std::min(lift_clearances * options_.clearance, distance);
   if (strict) {
     strict_.push_back(pair);
     const double highest = std::max({normal.dot(target[0]), normal.dot(target[1]), normal.dot(target[2])});
@@ -219,8 +221,8 @@ void ContactSolver::add_obstacle_contact(const Step& step, const Pair& pair, boo
 void ContactSolver::add_self_contact(const Pair& pair, bool strict) {
   const Index3& index_s = face_[pair.face];
   const Index3& index_t = face_[-1 - pair.other];
-  const Corners s = corners(place_, pair.face);
-  const Corners t = corners(place_, -1 - pair.other);
+  const Corners s = corners(position_, pair.face);
+  const Corners t = corners(position_, -1 - pair.other);
   const bool neighbours = std::any_of(index_s.begin(), index_s.end(), [&](std::int32_t v) {
     return std::find(index_t.begin(), index_t.end(), v) != index_t.end();
   });
@@ -228,7 +230,7 @@ void ContactSolver::add_self_contact(const Pair& pair, bool strict) {
   const Point across = at(s, closest.weight_s) - at(t, closest.weight_t);
   const double distance = across.norm();
   if (!(distance > 0)) return;
-  const double gap = std::min(kLift * options_.self_clearance, neighbours ? distance / 2 : distance);
+  const double gap = std::min(lift_clearances * options_.self_clearance, neighbours ? distance / 2 : distance);
   if (strict && !neighbours) {
     for (const std::int32_t a : index_s) {
       for (const std::int32_t b : index_t) add_pair(pair, across / distance, a, b, gap);
@@ -262,14 +264,14 @@ void ContactSolver::add_all_near(const Step& step) {
   std::vector<std::int32_t> near;
   for (std::size_t i = 0; i < face_.size(); ++i) {
     const auto f = static_cast<std::int32_t>(i);
-    const Corners mine = corners(place_, f);
+    const Corners mine = corners(position_, f);
     const Prism prism(mine);
     near.clear();
     step.before.highest_hits(prism, step.reach, most, near);
     for (const std::int32_t t : near) known_.push_back({f, t});
     tree_.traverse(step.before.near(prism, step.reach, magnitude_), [&](std::int32_t other) {
       if (other <= f) return;
-      if (!separated(face_[f], mine, face_[other], corners(place_, other), step.reach)) {
+      if (!separated(face_[f], mine, face_[other], corners(position_, other), step.reach)) {
         known_.push_back({f, -1 - other});
       }
     });
@@ -280,9 +282,9 @@ void ContactSolver::add_all_near(const Step& step) {
   sort_unique(strict_);
 }
 
-/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers. Contacts none of whose
-/// vertices moved since they were looked at are passed over.
-void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
+/// min |Y - wanted|^2 under the contacts, by projected Gauss-Seidel on the multipliers. Contacts none of whose vertices
+/// moved since they were looked at are passed over.
+void ContactSolver::project(const Positions& wanted, int sweeps, Positions& y) {
   y = wanted;
   for (const Contact& c : contacts_) {
     if (c.multiplier == 0) continue;
@@ -319,9 +321,9 @@ void ContactSolver::project(const Places& wanted, int sweeps, Places& y) {
   }
 }
 
-/// Finds what touches at y. Only faces that moved since the last test are tested again, shared out among the
-/// threads; the result is the same.
-void ContactSolver::retest(const Step& step, const Places& y) {
+/// Finds what touches at y. Only faces that moved since the last test are tested again, shared out among the threads;
+/// the result is the same.
+void ContactSolver::retest(const Step& step, const Positions& y) {
   std::vector<std::int32_t> faces;
   for (std::size_t f = 0; f < face_.size(); ++f) {
     const auto face = static_cast<std::int32_t>(f);
@@ -334,60 +336,56 @@ void ContactSolver::retest(const Step& step, const Places& y) {
   work_ += static_cast<std::int64_t>(faces.size());
   std::erase_if(hits_,
                 [&](const Pair& pair) { return dirty_[pair.face] || (pair.other < 0 && dirty_[-1 - pair.other]); });
-  const int parts = faces.size() < 256 ? 1 : std::max(1, options_.threads);
-  std::vector<std::vector<Pair>> found(static_cast<std::size_t>(parts));
-  const auto work = [&](int part) {
-    const std::size_t first = faces.size() * part / parts;
-    const std::size_t last = faces.size() * (part + 1) / parts;
-    for (std::size_t i = first; i < last; ++i) test_face(step, y, faces[i], found[part]);
-  };
-  std::vector<std::thread> threads;
-  for (int part = 1; part < parts; ++part) threads.emplace_back(work, part);
-  work(0);
-  for (std::thread& thread : threads) thread.join();
-  for (const auto& part : found) hits_.insert(hits_.end(), part.begin(), part.end());
+  std::mutex mutex;
+  for_ranges(options_.threads, faces.size(), least_per_thread, [&](std::size_t first, std::size_t last) {
+    std::vector<Pair> found;
+    std::vector<std::int32_t> scratch;
+    for (std::size_t i = first; i < last; ++i) test_face(step, y, faces[i], found, scratch);
+    const std::lock_guard lock(mutex);
+    hits_.insert(hits_.end(), found.begin(), found.end());
+  });
   std::sort(hits_.begin(), hits_.end());
   tested_ = y;
   test_all_ = false;
 }
 
-void ContactSolver::test_face(const Step& step, const Places& y, std::int32_t f, std::vector<Pair>& found) const {
+void ContactSolver::test_face(const Step& step, const Positions& y, std::int32_t f, std::vector<Pair>& found,
+                              std::vector<std::int32_t>& scratch) const {
   const Corners mine = corners(y, f);
   const Prism prism(mine);
-  const bool moved = mine != corners(place_, f);
+  const bool moved = mine != corners(position_, f);
   if (moved) {
     double longest2 = 0;
     for (int k = 0; k < 3; ++k) longest2 = std::max(longest2, (mine[(k + 1) % 3] - mine[k]).squaredNorm());
     const double doubled = (mine[1] - mine[0]).cross(mine[2] - mine[0]).norm();
-    if (!(prism.valid && doubled > kThinnest * longest2)) {
+    if (!(prism.valid && doubled > thinnest_shape * longest2)) {
       found.push_back({f, -1 - f});
       return;
     }
   }
   if (moved || step.moves) {
-    thread_local std::vector<std::int32_t> triangles;
-    triangles.clear();
-    step.after.highest_hits(prism, options_.clearance, kHitLimit, triangles);
-    for (const std::int32_t t : triangles) found.push_back({f, t});
+    scratch.clear();
+    step.after.highest_hits(prism, options_.clearance, hit_limit, scratch);
+    for (const std::int32_t t : scratch) found.push_back({f, t});
   }
   if (!dirty_[f]) return;
   tree_.traverse(step.after.near(prism, options_.self_clearance, magnitude_), [&](std::int32_t other) {
     if (other == f || (other < f && dirty_[other])) return;
     const Corners theirs = corners(y, other);
-    if (!moved && theirs == corners(place_, other)) return;
+    if (!moved && theirs == corners(position_, other)) return;
     if (separated(face_[f], mine, face_[other], theirs, options_.self_clearance)) return;
     found.push_back({std::min(f, other), -1 - std::max(f, other)});
   });
 }
 
 /// What still touches goes back to where it was; its neighbours may then touch in turn.
-void ContactSolver::retreat(const Step& step, Places& y) {
+void ContactSolver::retreat(const Step& step, Positions& y) {
   if (hits_.empty()) add_lost_cones(y);
   while (!hits_.empty()) {
     for (const Pair& pair : hits_) {
-      for (const std::int32_t v : face_[pair.face]) y[v] = place_[v];
+      for (const std::int32_t v : face_[pair.face]) y[v] = position_[v];
       if (pair.other >= 0) continue;
-      for (const std::int32_t v : face_[-1 - pair.other]) y[v] = place_[v];
+      for (const std::int32_t v : face_[-1 - pair.other]) y[v] = position_[v];
     }
     // Faces that are back where they were touch nothing that is too.
     hits_.clear();
@@ -396,29 +394,29 @@ void ContactSolver::retreat(const Step& step, Places& y) {
   }
 }
 
-/// The faces around every vertex that would lose its cone of outward directions: the next coarser level could not
-/// start there.
-void ContactSolver::add_lost_cones(const Places& y) {
+/// The faces around every vertex that would lose its cone of outward directions: the next coarser level could not start
+/// there.
+void ContactSolver::add_lost_cones(const Positions& y) {
   std::vector<Point> normals;
-  const auto has_cone = [&](const Places& places, std::size_t v) {
+  const auto has_cone = [&](const Positions& positions, std::size_t v) {
     normals.clear();
-    for (const std::int32_t f : incident_[v]) normals.push_back(Prism(corners(places, f)).normal);
+    for (const std::int32_t f : incident_[v]) normals.push_back(Prism(corners(positions, f)).normal);
     return common_direction(normals);
   };
   for (std::size_t v = 0; v < incident_.size(); ++v) {
     bool changed = false;
-    for (const std::int32_t f : incident_[v]) changed = changed || corners(y, f) != corners(place_, f);
-    if (!changed || has_cone(y, v) || !has_cone(place_, v)) continue;
+    for (const std::int32_t f : incident_[v]) changed = changed || corners(y, f) != corners(position_, f);
+    if (!changed || has_cone(y, v) || !has_cone(position_, v)) continue;
     for (const std::int32_t f : incident_[v]) hits_.push_back({f, -1 - f});
   }
 }
 
-bool ContactSolver::encloses_all(const Obstacle& obstacle, const Places& y) {
+bool ContactSolver::encloses_all(const Obstacle& obstacle, const Positions& y) {
   std::vector<Point> passed;
   for (std::size_t f = 0; f < face_.size(); ++f) {
     const auto face = static_cast<std::int32_t>(f);
     const Corners mine = corners(y, face);
-    const Corners old = corners(place_, face);
+    const Corners old = corners(position_, face);
     if (mine == old) continue;
     Eigen::AlignedBox3d box;
     for (int k = 0; k < 3; ++k) box.extend(mine[k]).extend(old[k]);
@@ -433,7 +431,7 @@ bool ContactSolver::encloses_all(const Obstacle& obstacle, const Places& y) {
   return std::all_of(passed.begin(), passed.end(), [&](const Point& x) { return encloses(y, x); });
 }
 
-bool ContactSolver::encloses(const Places& y, const Point& x) const {
+bool ContactSolver::encloses(const Positions& y, const Point& x) const {
   double angle = 0;
   for (std::size_t f = 0; f < face_.size(); ++f) angle += solid_angle(x, corners(y, static_cast<std::int32_t>(f)));
   // 4 pi; 0 outside, 8 pi where a component of the cage has passed another one.

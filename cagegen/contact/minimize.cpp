@@ -12,14 +12,15 @@ namespace encage::makers {
 
 namespace {
 
-constexpr double kNegligible = 2e-5;  // of the energy, a step's gain
-constexpr double kFirstStep = 0.03;   // of the edges' length
+constexpr double negligible = 2e-5;        // of the energy, a step's gain
+constexpr double usual_first_step = 0.03;  // of the edges' length
 // Steps along the obstacle zigzag without it, and gain half as much.
-constexpr double kMomentum = 0.8;
+constexpr double momentum_factor = 0.8;
 
-Vertices to_matrix(const ContactSolver::Places& places) {
-  Vertices matrix(static_cast<std::int64_t>(places.size()), 3);
-  for (std::size_t v = 0; v < places.size(); ++v) matrix.row(static_cast<std::int64_t>(v)) = places[v].transpose();
+Vertices to_matrix(const ContactSolver::Positions& positions) {
+  Vertices matrix(static_cast<std::int64_t>(positions.size()), 3);
+  for (std::size_t v = 0; v < positions.size(); ++v)
+    matrix.row(static_cast<std::int64_t>(v)) = positions[v].transpose();
   return matrix;
 }
 
@@ -28,8 +29,8 @@ double edge_length(const ContactSolver& solver) {
   double area = 0;
   for (std::size_t f = 0; f < solver.face_count(); ++f) {
     const auto& face = solver.face(f);
-    const Point& a = solver.places()[face[0]];
-    area += (solver.places()[face[1]] - a).cross(solver.places()[face[2]] - a).norm() / 2;
+    const Point& a = solver.positions()[face[0]];
+    area += (solver.positions()[face[1]] - a).cross(solver.positions()[face[2]] - a).norm() / 2;
   }
   return std::sqrt(area / static_cast<double>(solver.face_count()));
 }
@@ -49,38 +50,38 @@ Vertices checked_descent(const CageEnergy& energy, const EnergyState& state) {
 
 void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeRequest& request) {
   const std::int64_t last_work = solver.work() + request.face_tests;
-  Vertices cage = to_matrix(solver.places());
+  Vertices cage = to_matrix(solver.positions());
   const Vertices step_start = cage;
-  const auto state = [&](const Vertices& places) -> EnergyState {
-    return {*request.fine, *request.rest, step_start, places};
+  const auto state = [&](const Vertices& positions) -> EnergyState {
+    return {*request.fine, *request.rest, step_start, positions};
   };
   double value = request.energy->value(state(cage));
   const double first_value = value;
   double recent = 0;  // gain of the last steps, the latest counting most
   double step = -1;
-  ContactSolver::Places last;  // where the cage was before the last step; empty: start afresh
+  ContactSolver::Positions last;  // where the cage was before the last step; empty: start afresh
   for (int iteration = 0; iteration < request.iterations && solver.work() < last_work; ++iteration) {
     solver.options().check();
     if (request.progress) request.progress(static_cast<double>(iteration) / request.iterations);
     const Vertices direction = checked_descent(*request.energy, state(cage));
     const double longest = direction.rowwise().norm().maxCoeff();
     if (!(longest > 0)) break;
-    // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does
-    // as well, since steps adapt.
-    if (step < 0) step = request.energy->first_step().value_or(kFirstStep * edge_length(solver) / longest);
+    // About the mean gap: what the distances to the obstacle are is costly to find, a share of the edge length does as
+    // well, since steps adapt.
+    if (step < 0) step = request.energy->first_step().value_or(usual_first_step * edge_length(solver) / longest);
     if (step * longest < solver.options().clearance * 0.3) break;
     const double slope = -(request.energy->gradient(state(cage)).array() * direction.array()).sum();
-    ContactSolver::Places wanted = solver.places();
+    ContactSolver::Positions wanted = solver.positions();
     for (std::size_t v = 0; v < wanted.size(); ++v) {
       wanted[v] += step * direction.row(static_cast<std::int64_t>(v)).transpose();
-      if (!last.empty()) wanted[v] += kMomentum * (solver.places()[v] - last[v]);
+      if (!last.empty()) wanted[v] += momentum_factor * (solver.positions()[v] - last[v]);
     }
-    ContactSolver::Places next = solver.approach(obstacle, wanted);
+    ContactSolver::Positions next = solver.approach(obstacle, wanted);
     const Vertices next_cage = to_matrix(next);
     const double before = value;
     const double after = request.energy->value(state(next_cage));
     if (after < before && solver.encloses_all(obstacle, next)) {
-      last = solver.places();
+      last = solver.positions();
       solver.commit(std::move(next));
       cage = next_cage;
       value = after;
@@ -89,7 +90,7 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
     }
     if (before - value < 0.02 * step * slope) step *= 0.6;
     recent = 0.5 * (recent + before - value);
-    const double enough = std::max(request.enough * (first_value - value), kNegligible * std::abs(value));
+    const double enough = std::max(request.enough * (first_value - value), negligible * std::abs(value));
     if (recent < enough && iteration > 3) break;
   }
 }

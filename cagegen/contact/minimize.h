@@ -21,7 +21,7 @@ struct MinimizeRequest {
   std::function<void(double fraction)> progress;  ///< may be empty
 };
 
-/// The energy's descent; throws Error, which names the energy, if it has not a row for each vertex or is not finite.
+/// The energy's descent; throws Error, which names the energy, if it lacks rows or is not finite.
 Vertices checked_descent(const CageEnergy& energy, const EnergyState& state);
 
 /// Projected gradient descent of the energy around an obstacle at rest: Nested Cages, algorithm 3, with the QP of

@@ -12,9 +12,9 @@ namespace encage::makers {
 
 namespace {
 
-// Distance that the public decimators keep between strands, in diagonals. The flow works best with the first; a
-// dense mesh may have edges about as short.
-constexpr double kGaps[] = {1e-4, 1e-5};
+// Distance that the public decimators keep between strands, in diagonals. The flow works best with the first; a dense
+// mesh may have edges about as short.
+constexpr double gap_factor[] = {1e-4, 1e-5};
 
 struct Attempt {
   std::optional<TriangleMesh> mesh;
@@ -39,7 +39,7 @@ TriangleMesh decimate_or_throw(const TriangleMesh& mesh, std::int64_t faces, Dec
   const std::string what = "decimation to " + std::to_string(faces) + " faces: ";
   if (faces < 4) throw Error(what + "a closed mesh has at least 4");
   const double diagonal = bounds(mesh).diagonal().norm();
-  for (const double gap : kGaps) {
+  for (const double gap : gap_factor) {
     Attempt result = attempt(mesh, faces, faces, kind, gap * diagonal, [] {});
     if (result.mesh) return std::move(*result.mesh);
     if (result.reached > faces) {

@@ -55,12 +55,12 @@ struct StopAtFaces {
 struct Filter {
   EmbeddingGuard* guard;
   template <class Profile>
-  boost::optional<Kernel::Point_3> operator()(const Profile& profile, boost::optional<Kernel::Point_3> place) const {
-    if (guard == nullptr || !place) return place;
+  boost::optional<Kernel::Point_3> operator()(const Profile& profile, boost::optional<Kernel::Point_3> position) const {
+    if (guard == nullptr || !position) return position;
     const Surroundings around(profile);
     const bool allowed = guard->allows(static_cast<std::int32_t>(profile.v0()), static_cast<std::int32_t>(profile.v1()),
-                                       around.star, around.lost, to_point(*place));
-    return allowed ? place : boost::none;
+                                       around.star, around.lost, to_point(*position));
+    return allowed ? position : boost::none;
   }
 };
 
@@ -76,13 +76,13 @@ struct Visitor : sms::Edge_collapse_visitor_base<SurfaceMesh> {
   void OnCollapsing(const Base::Profile& profile, const boost::optional<Kernel::Point_3>& p) {
     if (guard == nullptr) return;
     around.emplace(profile);
-    place = to_point(*p);
+    position = to_point(*p);
   }
   void OnCollapsed(const Base::Profile& profile, SurfaceMesh::Vertex_index kept) {
     if (guard == nullptr || !around) return;  // edges without length go first, and unasked
     const auto gone = kept == profile.v0() ? profile.v1() : profile.v0();
     guard->collapsed(static_cast<std::int32_t>(gone), static_cast<std::int32_t>(kept), around->star, around->lost,
-                     place);
+                     position);
     around.reset();
   }
 
@@ -90,7 +90,7 @@ struct Visitor : sms::Edge_collapse_visitor_base<SurfaceMesh> {
   const std::function<void()>* check;
   std::uint64_t events = 0;
   std::optional<Surroundings> around;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
 template <class Cost, class Placement>

@@ -6,7 +6,7 @@
 namespace encage::makers {
 
 bool EmbeddingGuard::allows(std::int32_t from, std::int32_t to, std::span<const std::int32_t> star,
-                            std::span<const std::int32_t> lost, const Point& place) {
+                            std::span<const std::int32_t> lost, const Point& position) {
   std::vector<std::array<std::int32_t, 3>> index;
   std::vector<Prism> prism;
   for (const std::int32_t t : star) {
@@ -15,7 +15,7 @@ bool EmbeddingGuard::allows(std::int32_t from, std::int32_t to, std::span<const 
     for (int k = 0; k < 3; ++k) {
       if (index.back()[k] != from && index.back()[k] != to) continue;
       index.back()[k] = to;
-      corner[k] = place;
+      corner[k] = position;
     }
     prism.emplace_back(corner);
     if (!prism.back().valid) return false;
@@ -40,8 +40,8 @@ bool EmbeddingGuard::allows(std::int32_t from, std::int32_t to, std::span<const 
 }
 
 void EmbeddingGuard::collapsed(std::int32_t gone, std::int32_t kept, std::span<const std::int32_t> star,
-                               std::span<const std::int32_t> lost, const Point& place) {
-  mesh_.vertices.row(kept) = place.transpose();
+                               std::span<const std::int32_t> lost, const Point& position) {
+  mesh_.vertices.row(kept) = position.transpose();
   for (const std::int32_t t : lost) {
     tree_.remove(t);
     mesh_.triangles.row(t).setConstant(-1);

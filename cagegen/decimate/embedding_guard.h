@@ -18,13 +18,13 @@ class EmbeddingGuard {
   EmbeddingGuard(const EmbeddingGuard&) = delete;
   EmbeddingGuard& operator=(const EmbeddingGuard&) = delete;
 
-  /// May all triangles around the edge (from, to) be replaced by those around one vertex at `place`?
-  /// `star`: the triangles with exactly one of the edge's vertices; `lost`: those with both.
+  /// May all triangles around the edge (from, to) be replaced by those around one vertex at `position`? `star`: the
+  /// triangles with exactly one of the edge's vertices; `lost`: those with both.
   bool allows(std::int32_t from, std::int32_t to, std::span<const std::int32_t> star,
-              std::span<const std::int32_t> lost, const Point& place);
+              std::span<const std::int32_t> lost, const Point& position);
   /// The edge has been collapsed to its vertex `kept`.
   void collapsed(std::int32_t gone, std::int32_t kept, std::span<const std::int32_t> star,
-                 std::span<const std::int32_t> lost, const Point& place);
+                 std::span<const std::int32_t> lost, const Point& position);
 
  private:
   TriangleMesh mesh_;  ///< removed triangles have negative indices

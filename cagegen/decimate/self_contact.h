@@ -22,8 +22,8 @@ inline Corners corners(const TriangleMesh& mesh, std::int64_t t) {
   return {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
 }
 
-/// The triangles of one mesh in a tree. Their vertices may move, within a box somewhat larger than the
-/// mesh was; after that the tree must be told. Refers to the mesh.
+/// The triangles of one mesh in a tree. Their vertices may move, within a box somewhat larger than the mesh was; after
+/// that the tree must be told. Refers to the mesh.
 class SurfaceTree {
  public:
   explicit SurfaceTree(const TriangleMesh& mesh);

@@ -107,7 +107,7 @@ class Untangler {
   void push_pair(const TrianglePair& pair);
   Point way_apart(const Prism& s, const Prism& t, const TrianglePair& pair) const;
   int winding_outside(const Point& start, const Point& direction, const TrianglePair& skipped) const;
-  void move(std::int32_t v, const Point& place);
+  void move(std::int32_t v, const Point& position);
   void settle();
 
   TriangleMesh mesh_;
@@ -117,15 +117,15 @@ class Untangler {
   std::vector<std::int32_t> around_;
   SurfaceTree tree_;
   std::vector<TrianglePair> contacts_;
-  std::vector<int> rough_;  ///< per vertex: how many rings from it are smoothed, times kPatience
+  std::vector<int> rough_;  ///< per vertex: how many rings from it are smoothed, times patience_steps
   std::vector<bool> moved_;
   std::vector<Point> shift_;
   std::vector<int> shifts_;
 };
 
 // Rounds of a spot in contact after which the next ring of vertices around it is smoothed as well.
-constexpr int kPatience = 4;
-constexpr int kRounds = 120;
+constexpr int patience_steps = 4;
+constexpr int most_rounds = 120;
 
 Untangler::Untangler(const TriangleMesh& mesh, double gap, int pushes)
     : mesh_(mesh),
@@ -190,8 +190,8 @@ void Untangler::mark_rough() {
   }
 }
 
-void Untangler::move(std::int32_t v, const Point& place) {
-  mesh_.vertices.row(v) = round_to_float(place).transpose();
+void Untangler::move(std::int32_t v, const Point& position) {
+  mesh_.vertices.row(v) = round_to_float(position).transpose();
   moved_[v] = true;
 }
 
@@ -211,11 +211,11 @@ void Untangler::settle() {
 /// Half-way to the middle of the neighbours, around spots in contact.
 void Untangler::smooth() {
   std::vector<int> reach = rough_;
-  for (int ring = 0; ring < kRounds / kPatience; ++ring) {
+  for (int ring = 0; ring < most_rounds / patience_steps; ++ring) {
     bool grown = false;
     for (std::int64_t t = 0; t < mesh_.triangles.rows(); ++t) {
       const auto index = indices(mesh_, t);
-      const int most = std::max({reach[index[0]], reach[index[1]], reach[index[2]]}) - kPatience;
+      const int most = std::max({reach[index[0]], reach[index[1]], reach[index[2]]}) - patience_steps;
       for (const std::int32_t v : index) {
         if (reach[v] >= most) continue;
         reach[v] = most;
@@ -293,7 +293,7 @@ bool Untangler::run() {
   tree_.rebuild();
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
   int stale = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < most_rounds; ++round) {
     find_contacts();
     if (contacts_.empty()) return true;
     // Not a few spots but the shape as a whole.

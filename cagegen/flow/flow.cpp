@@ -2,9 +2,9 @@
 #include "cagegen/flow/flow.h"
 
 #include "cagegen/flow/neighbours.h"
-#include "cagegen/flow/parallel.h"
 #include "cagegen/flow/pull.h"
 #include "cagegen/geometry/obstacle.h"
+#include "cagegen/threads/parallel.h"
 #include "src/mesh/rounding.h"
 
 #include <algorithm>
@@ -18,26 +18,28 @@ namespace encage::makers {
 namespace {
 
 // Depth first asked for, in gaps: what conservative tests and rounding take from it.
-constexpr double kFirstDepth = 1.25;
-// Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit,
-// in diagonals.
-constexpr double kGrowth = 1.5;
-constexpr double kGreatestDepth = 0.1;
+constexpr double first_depth = 1.25;
+// Growth of the depth asked for, a step, at the corners of a triangle for which it was not enough; and its limit, in
+// diagonals.
+constexpr double depth_growth = 1.5;
+constexpr double greatest_depth = 0.1;
 // Longest move, in diagonals.
-constexpr double kLongestMove = 0.03;
+constexpr double longest_move = 0.03;
 // Times that a move is halved before the vertex stays where it is.
-constexpr int kHalvings = 4;
+constexpr int most_halvings = 4;
 // Steps without fewer triangles touching before the stuck patch is smoothed, and passes of a smoothing.
-constexpr int kPatience = 8;
-constexpr int kPasses = 3;
+constexpr int patience_steps = 8;
+constexpr int smoothing_passes = 3;
 // Steps without fewer triangles touching before stretched triangles climb; the move they ask for, in roots of their
 // doubled area; sums of cosines without meaning, and triangles of C^ looked at for the direction.
-constexpr int kClimbAfter = 2;
-constexpr double kClimb = 0.5;
-constexpr double kBalanced = 0.01;
-constexpr std::size_t kMostHits = 64;
+constexpr int climb_after = 2;
+constexpr double climb_move = 0.5;
+constexpr double balanced_sum = 0.01;
+constexpr std::size_t most_hits = 64;
 // Items between two calls of the request's check.
-constexpr std::size_t kBlock = 32768;
+constexpr std::size_t block_size = 32768;
+// Items worth a thread.
+constexpr std::size_t least_per_thread = 512;
 
 class Flow {
  public:
@@ -51,13 +53,13 @@ class Flow {
     bool climbs = false;
   };
   struct Move {
-    Point place = Point::Zero();
+    Point position = Point::Zero();
     Nearest nearest;
     bool made = false;
   };
 
   Corners corners(std::int32_t t) const {
-    return {place_[triangles_(t, 0)], place_[triangles_(t, 1)], place_[triangles_(t, 2)]};
+    return {position_[triangles_(t, 0)], position_[triangles_(t, 1)], position_[triangles_(t, 2)]};
   }
   std::vector<std::int32_t> dirty_vertices();
 
@@ -84,7 +86,7 @@ class Flow {
   SignedDistance surface_;
   Obstacle obstacle_;
   Neighbours neighbours_;
-  std::vector<Point> place_;
+  std::vector<Point> position_;
   std::vector<Nearest> nearest_;
   std::vector<double> depth_;        ///< asked for, of each vertex
   std::vector<std::int32_t> dirty_;  ///< triangles not proven inside, ascending
@@ -105,17 +107,17 @@ Flow::Flow(const FlowRequest& request)
       triangle_set_(static_cast<std::size_t>(request.fine->triangles.rows())),
       result_{false, {}, FlowHistory(request.fine->vertices), 0, {}} {
   const auto vertices = static_cast<std::size_t>(request.fine->vertices.rows());
-  place_.resize(vertices);
+  position_.resize(vertices);
   nearest_.resize(vertices);
-  depth_.assign(vertices, kFirstDepth * request.gap);
-  for (std::size_t v = 0; v < vertices; ++v) place_[v] = request.fine->vertex(static_cast<std::int32_t>(v));
+  depth_.assign(vertices, first_depth * request.gap);
+  for (std::size_t v = 0; v < vertices; ++v) position_[v] = request.fine->vertex(static_cast<std::int32_t>(v));
   slot_.assign(static_cast<std::size_t>(triangles_.rows()), -1);
   // Vertices with near numbers lie near each other in most files: a good start.
   for_blocks(vertices, [&](std::size_t from, std::size_t to) {
     std::int32_t start = 0;
     for (std::size_t v = from; v < to; ++v) {
       if (neighbours_(static_cast<std::int32_t>(v)).empty()) continue;
-      nearest_[v] = surface_.nearest(place_[v], start);
+      nearest_[v] = surface_.nearest(position_[v], start);
       start = nearest_[v].triangle;
     }
   });
@@ -126,9 +128,9 @@ Flow::Flow(const FlowRequest& request)
 
 template <class Work>
 void Flow::for_blocks(std::size_t count, const Work& work) const {
-  for (std::size_t first = 0; first < count; first += kBlock) {
+  for (std::size_t first = 0; first < count; first += block_size) {
     if (request_.check) request_.check();
-    for_ranges(request_.threads, std::min(kBlock, count - first),
+    for_ranges(request_.threads, std::min(block_size, count - first), least_per_thread,
                [&](std::size_t from, std::size_t to) { work(first + from, first + to); });
   }
 }
@@ -178,7 +180,7 @@ std::vector<std::int32_t> Flow::dirty_vertices() {
 }
 
 void Flow::step() {
-  const bool may_climb = waited_ >= kClimbAfter;
+  const bool may_climb = waited_ >= climb_after;
   std::vector<Wish> wishes(dirty_.size());
   for_each(dirty_.size(), [&](std::size_t i) {
     if (may_climb && is_stretched(dirty_[i])) {
@@ -200,7 +202,7 @@ void Flow::step() {
     const std::int32_t v = vertices[i];
     moves[i] = move(v, jump(v, wishes));
     // What the triangles ask for may lead nowhere; its own way in is free.
-    const double missing = nearest_[v].distance + kFirstDepth * request_.gap;
+    const double missing = nearest_[v].distance + first_depth * request_.gap;
     if (!moves[i].made && missing > 0) moves[i] = move(v, -missing * nearest_[v].direction);
   });
   apply(vertices, moves);
@@ -215,29 +217,28 @@ bool Flow::is_stretched(std::int32_t t) const {
   return !is_thin(corners(t));
 }
 
-/// Along the triangle's normal, to the end of the gap, where C^ closes: against the normals of what it hits. The
-/// walls, nearly at right angles to the triangle, count little, and where all is in balance it goes inward.
-/// Distances would draw it to either wall.
-/// (Intersection contours shrink on the same way: Volino and Magnenat-Thalmann 2006.)
+/// Along the triangle's normal, to the end of the gap, where C^ closes: against the normals of what it hits. The walls,
+/// nearly at right angles to the triangle, count little, and where all is in balance it goes inward. Distances would
+/// draw it to either wall. (Intersection contours shrink on the same way: Volino and Magnenat-Thalmann 2006.)
 Pull Flow::climb(std::int32_t t) const {
   const Corners c = corners(t);
   const Prism prism(c);
   std::vector<std::int32_t> hits;
-  obstacle_.hits(prism, request_.gap, kMostHits, hits);
+  obstacle_.hits(prism, request_.gap, most_hits, hits);
   double facing = 0;
   for (const std::int32_t hit : hits) {
     const Prism wall(obstacle_.corners(hit));
     if (wall.valid) facing += wall.normal.dot(prism.normal);
   }
-  const double length = kClimb * std::sqrt((c[1] - c[0]).cross(c[2] - c[0]).norm());
+  const double length = climb_move * std::sqrt((c[1] - c[0]).cross(c[2] - c[0]).norm());
   Pull result;
-  result.jump.fill((facing < -kBalanced ? -length : length) * prism.normal);
+  result.jump.fill((facing < -balanced_sum ? -length : length) * prism.normal);
   result.weight.fill(1);
   return result;
 }
 
-/// Average of the Newton jumps of the vertex and of the quadrature points around it, where the depth is missed.
-/// Every dirty triangle counts the same, and the vertex as much as all of them: degenerate triangles must move too.
+/// Average of the Newton jumps of the vertex and of the quadrature points around it, where the depth is missed. Every
+/// dirty triangle counts the same, and the vertex as much as all of them: degenerate triangles must move too.
 Point Flow::jump(std::int32_t v, const std::vector<Wish>& wishes) const {
   Point sum = Point::Zero();
   double weight = 0;
@@ -254,7 +255,7 @@ Point Flow::jump(std::int32_t v, const std::vector<Wish>& wishes) const {
       own_weight += 1.0 / 3;
     }
   }
-  const double missing = nearest_[v].distance + (climbing ? kFirstDepth * request_.gap : depth_[v]);
+  const double missing = nearest_[v].distance + (climbing ? first_depth * request_.gap : depth_[v]);
   if (missing > 0) {
     sum -= own_weight * missing * nearest_[v].direction;
     weight += own_weight;
@@ -264,40 +265,40 @@ Point Flow::jump(std::int32_t v, const std::vector<Wish>& wishes) const {
 
 Flow::Move Flow::move(std::int32_t v, Point jump) const {
   const double length = jump.norm();
-  const double longest = kLongestMove * request_.diagonal;
+  const double longest = longest_move * request_.diagonal;
   if (length > longest) jump *= longest / length;
   Move result;
-  for (int i = 0; i <= kHalvings && !result.made; ++i, jump /= 2) {
-    result.place = round_to_float(place_[v] + jump);
-    if (result.place == place_[v]) break;
-    result.nearest = surface_.nearest(result.place, nearest_[v].triangle);
-    result.made = may_go(surface_, place_[v], nearest_[v], result.place, result.nearest);
+  for (int i = 0; i <= most_halvings && !result.made; ++i, jump /= 2) {
+    result.position = round_to_float(position_[v] + jump);
+    if (result.position == position_[v]) break;
+    result.nearest = surface_.nearest(result.position, nearest_[v].triangle);
+    result.made = may_go(surface_, position_[v], nearest_[v], result.position, result.nearest);
   }
   return result;
 }
 
 void Flow::apply(const std::vector<std::int32_t>& vertices, const std::vector<Move>& moves) {
   std::vector<std::int32_t> moved;
-  std::vector<Eigen::Vector3f> places;
+  std::vector<Eigen::Vector3f> positions;
   for (const std::int32_t t : dirty_) triangle_set_.add(t);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!moves[i].made) continue;
     const std::int32_t v = vertices[i];
-    place_[v] = moves[i].place;
+    position_[v] = moves[i].position;
     nearest_[v] = moves[i].nearest;
     moved.push_back(v);
-    places.push_back(moves[i].place.cast<float>());
+    positions.push_back(moves[i].position.cast<float>());
     for (const std::int32_t t : neighbours_(v)) triangle_set_.add(t);
   }
   moved.shrink_to_fit();
-  places.shrink_to_fit();
-  result_.history.push(std::move(moved), std::move(places));
+  positions.shrink_to_fit();
+  result_.history.push(std::move(moved), std::move(positions));
   find_dirty(triangle_set_.take());
 }
 
 void Flow::ask_for_more() {
   for (const std::int32_t v : dirty_vertices()) {
-    depth_[v] = std::min(kGrowth * depth_[v], kGreatestDepth * request_.diagonal);
+    depth_[v] = std::min(depth_growth * depth_[v], greatest_depth * request_.diagonal);
   }
 }
 
@@ -307,11 +308,11 @@ Point Flow::average_of_neighbours(std::int32_t v) const {
   for (const std::int32_t t : neighbours_(v)) {
     for (int k = 0; k < 3; ++k) {
       if (triangles_(t, k) == v) continue;
-      sum += place_[triangles_(t, k)];
+      sum += position_[triangles_(t, k)];
       ++count;
     }
   }
-  return count > 0 ? Point(sum / count) : place_[v];
+  return count > 0 ? Point(sum / count) : position_[v];
 }
 
 /// Uniform Laplacian steps of the stuck vertices and their neighbours, which may lead through C^.
@@ -323,15 +324,15 @@ void Flow::smooth() {
   }
   const std::vector<std::int32_t> patch = vertex_set_.take();
   std::vector<Move> moves(patch.size());
-  for (int pass = 0; pass < kPasses; ++pass) {
-    for (std::size_t i = 0; i < patch.size(); ++i) moves[i].place = round_to_float(average_of_neighbours(patch[i]));
-    for (std::size_t i = 0; i < patch.size(); ++i) place_[patch[i]] = moves[i].place;
+  for (int pass = 0; pass < smoothing_passes; ++pass) {
+    for (std::size_t i = 0; i < patch.size(); ++i) moves[i].position = round_to_float(average_of_neighbours(patch[i]));
+    for (std::size_t i = 0; i < patch.size(); ++i) position_[patch[i]] = moves[i].position;
   }
   for_each(patch.size(), [&](std::size_t i) {
-    moves[i].nearest = surface_.nearest(moves[i].place, nearest_[patch[i]].triangle);
+    moves[i].nearest = surface_.nearest(moves[i].position, nearest_[patch[i]].triangle);
     moves[i].made = true;
   });
-  for (const std::int32_t v : patch) depth_[v] = kFirstDepth * request_.gap;
+  for (const std::int32_t v : patch) depth_[v] = first_depth * request_.gap;
   apply(patch, moves);
   ++result_.smoothing_steps;
 }
@@ -342,7 +343,7 @@ FlowResult Flow::run() {
     if (dirty_.size() < fewest) {
       fewest = dirty_.size();
       waited_ = 0;
-    } else if (++waited_ > kPatience) {
+    } else if (++waited_ > patience_steps) {
       if (result_.smoothing_steps >= request_.most_smoothings) break;
       smooth();
       fewest = dirty_.size() + 1;
@@ -354,8 +355,8 @@ FlowResult Flow::run() {
   result_.inside = dirty_.empty();
   result_.stuck = dirty_;
   result_.positions.resize(request_.fine->vertices.rows(), 3);
-  for (std::size_t v = 0; v < place_.size(); ++v) {
-    result_.positions.row(static_cast<Eigen::Index>(v)) = place_[v].transpose();
+  for (std::size_t v = 0; v < position_.size(); ++v) {
+    result_.positions.row(static_cast<Eigen::Index>(v)) = position_[v].transpose();
   }
   return std::move(result_);
 }

@@ -15,9 +15,9 @@ struct FlowRequest {
   const TriangleMesh* fine = nullptr;    ///< F: any triangles; degenerate ones are fine
   const TriangleMesh* coarse = nullptr;  ///< C^: closed, oriented, embedded; stays where it is
   double diagonal = 0;                   ///< of the source, the unit of all limits
-  double gap = 0;                        ///< what F must keep to C^ when it is inside; length
+  double gap = 0;                        ///< distance that F must keep to C^ when it is inside, a length
   int most_steps = 300;
-  int most_smoothings = 12;  ///< of what is stuck: the last resort
+  int most_smoothings = 12;  ///< smoothings of stuck parts, the last resort
   int threads = 1;
   std::function<void()> check;  ///< called often; may throw to cancel
 };
@@ -28,27 +28,27 @@ class FlowHistory {
   explicit FlowHistory(const Vertices& start) : start_(start) {}
 
   int steps() const { return static_cast<int>(steps_.size()); }
-  void push(std::vector<std::int32_t> moved, std::vector<Eigen::Vector3f> places);
-  /// The steps of a flow that went on from where this one ended.
+  void push(std::vector<std::int32_t> moved, std::vector<Eigen::Vector3f> positions);
+  /// Appends the steps of a flow that began where this one ended.
   void append(const FlowHistory& later);
-  /// F after `step` steps: 0 is where it started, exactly; later places are float32.
+  /// F after `step` steps: 0 is where it started, exactly; later positions are float32.
   Vertices at(int step) const;
   std::size_t bytes() const;
 
  private:
   struct Step {
     std::vector<std::int32_t> moved;
-    std::vector<Eigen::Vector3f> places;
+    std::vector<Eigen::Vector3f> positions;
   };
   Vertices start_;
   std::vector<Step> steps_;
 };
 
 struct FlowResult {
-  /// All of F lies inside C^ and keeps the gap (by the makers' conservative tests, which the certificate does
-  /// not rely on); else the flow stalled.
+  /// True if all of F lies inside C^ and keeps the gap, by the makers' conservative tests, on which no certificate
+  /// relies; false if the flow stalled.
   bool inside = false;
-  Vertices positions;  ///< of F at the end; what moved is float32
+  Vertices positions;  ///< F at the end; vertices that moved are float32
   FlowHistory history;
   int smoothing_steps = 0;          ///< of the flowing mesh, as a last resort
   std::vector<std::int32_t> stuck;  ///< if stalled: triangles of F that still touch C^ or lie outside

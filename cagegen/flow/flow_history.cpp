@@ -5,9 +5,9 @@
 
 namespace encage::makers {
 
-void FlowHistory::push(std::vector<std::int32_t> moved, std::vector<Eigen::Vector3f> places) {
-  assert(moved.size() == places.size());
-  steps_.push_back({std::move(moved), std::move(places)});
+void FlowHistory::push(std::vector<std::int32_t> moved, std::vector<Eigen::Vector3f> positions) {
+  assert(moved.size() == positions.size());
+  steps_.push_back({std::move(moved), std::move(positions)});
 }
 
 void FlowHistory::append(const FlowHistory& later) {
@@ -20,7 +20,7 @@ Vertices FlowHistory::at(int step) const {
   for (int s = 0; s < step; ++s) {
     const Step& made = steps_[s];
     for (std::size_t i = 0; i < made.moved.size(); ++i) {
-      result.row(made.moved[i]) = made.places[i].cast<double>().transpose();
+      result.row(made.moved[i]) = made.positions[i].cast<double>().transpose();
     }
   }
   return result;
@@ -29,7 +29,7 @@ Vertices FlowHistory::at(int step) const {
 std::size_t FlowHistory::bytes() const {
   std::size_t sum = static_cast<std::size_t>(start_.size()) * sizeof(double);
   for (const Step& step : steps_) {
-    sum += step.moved.capacity() * sizeof(std::int32_t) + step.places.capacity() * sizeof(Eigen::Vector3f);
+    sum += step.moved.capacity() * sizeof(std::int32_t) + step.positions.capacity() * sizeof(Eigen::Vector3f);
   }
   return sum;
 }

@@ -9,7 +9,7 @@ namespace encage::makers {
 namespace {
 
 // Below this (sine of an angle, about) the differences of products in closest_point() lose their meaning.
-constexpr double kThin = 1e-4;
+constexpr double thinnest_sine = 1e-4;
 
 Feature edge(int k) { return static_cast<Feature>(static_cast<int>(Feature::edge0) + k); }
 Feature corner(int k) { return static_cast<Feature>(static_cast<int>(Feature::corner0) + k); }
@@ -49,7 +49,7 @@ bool is_thin(const Corners& t) {
   const Point u = t[1] - t[0];
   const Point v = t[2] - t[0];
   const double longest2 = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
-  return !(u.cross(v).norm() > kThin * longest2);
+  return !(u.cross(v).norm() > thinnest_sine * longest2);
 }
 
 ClosestPoint closest_point(const Point& p, const Corners& t, bool thin) {

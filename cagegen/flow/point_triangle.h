@@ -16,8 +16,8 @@ struct ClosestPoint {
   Feature feature = Feature::face;
 };
 
-/// The closest point of a triangle, in double. Thin and degenerate triangles are fine (they count as
-/// segments or points); they only cost more.
+/// The closest point of a triangle, in double. Thin and degenerate triangles count as segments or points, and cost
+/// more.
 ClosestPoint closest_point(const Point& p, const Corners& t, bool thin);
 
 /// Whether the triangle's smallest angle is so small that closest_point() must take more care.

@@ -9,8 +9,8 @@ namespace encage::makers {
 namespace {
 
 // Balls tried along a path, and the part of it that may stay uncovered where it comes in.
-constexpr int kBalls = 8;
-constexpr double kUncovered = 1.0 / 8;
+constexpr int most_balls = 8;
+constexpr double uncovered_part = 1.0 / 8;
 
 }  // namespace
 
@@ -18,7 +18,7 @@ Pull pull(const SignedDistance& surface, const Corners& corners, const std::arra
           const std::array<std::int32_t, 3>& start) {
   Pull result;
   for (int j = 0; j < 3; ++j) {
-    const auto& lambda = kQuadrature[j];
+    const auto& lambda = quadrature_weights[j];
     const Nearest sample =
         surface.nearest(lambda[0] * corners[0] + lambda[1] * corners[1] + lambda[2] * corners[2], start[j]);
     const double missing = sample.distance + lambda[0] * depth[0] + lambda[1] * depth[1] + lambda[2] * depth[2];
@@ -38,11 +38,11 @@ bool may_go(const SignedDistance& surface, const Point& p, const Nearest& at_p, 
   const double length = (y - p).norm();
   double covered = std::abs(at_p.distance);
   double end = length - std::abs(at_y.distance);
-  const double rest = length * kUncovered;
+  const double rest = length * uncovered_part;
   Nearest ahead = at_p;
   Nearest back = at_y;
   for (int ball = 0; end - covered > rest; ++ball) {
-    if (ball == kBalls) return false;
+    if (ball == most_balls) return false;
     ahead = surface.nearest(p + covered / length * (y - p), ahead.triangle);
     covered += std::abs(ahead.distance);
     if (end - covered <= rest) break;

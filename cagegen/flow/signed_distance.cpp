@@ -15,10 +15,10 @@ namespace encage::makers {
 namespace {
 
 // Epsilon of eq. 6, in diagonals.
-constexpr double kEpsilon = 1e-5;
+constexpr double epsilon_diagonals = 1e-5;
 
-/// Accepts boxes that may come as near to a point as the best so far. Boxes are float: the point is widened to
-/// the floats around it, and the bound covers the rounding of six operations.
+/// Accepts boxes that may come as near to a point as the best so far. Boxes are float: the point is widened to the
+/// floats around it, and the bound covers the rounding of six operations.
 class Ball {
  public:
   explicit Ball(const Point& p) {
@@ -68,13 +68,13 @@ SignedDistance::SignedDistance(const TriangleMesh& mesh, Sign sign) : corners_(m
     for (int k = 0; k < 3; ++k) boxes[t].extend(mesh.corner(static_cast<std::int64_t>(t), k));
   }
   tree_.build(boxes);
-  place_.resize(boxes.size());
+  slot_.resize(boxes.size());
   for (const std::int32_t t : tree_.renumber()) {
-    place_[t] = static_cast<std::int32_t>(triangles_.size());
+    slot_[t] = static_cast<std::int32_t>(triangles_.size());
     const Corners corner{mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
     triangles_.push_back({corner, t, is_thin(corner)});
   }
-  epsilon_ = kEpsilon * bounds(mesh).diagonal().norm();
+  epsilon_ = epsilon_diagonals * bounds(mesh).diagonal().norm();
   compute_normals(mesh);
   if (sign == Sign::winding) winding_.emplace(mesh);
 }
@@ -93,7 +93,7 @@ void SignedDistance::compute_normals(const TriangleMesh& mesh) {
   std::vector<Edge> edges;
   edges.reserve(3 * count);
   for (std::int32_t t = 0; t < static_cast<std::int32_t>(count); ++t) {
-    const Corners& c = triangles_[place_[t]].corner;
+    const Corners& c = triangles_[slot_[t]].corner;
     face_normal_[t] = (c[1] - c[0]).cross(c[2] - c[0]).stableNormalized();
     for (int k = 0; k < 3; ++k) {
       vertex_normal_[corners_(t, k)] += angle(c, k) * face_normal_[t];
@@ -123,15 +123,15 @@ Point SignedDistance::normal(std::int32_t triangle, Feature feature) const {
 }
 
 Nearest SignedDistance::nearest(const Point& p, std::int32_t start) const {
-  const Triangle* best = &triangles_[place_[start]];
+  const Triangle* best = &triangles_[slot_[start]];
   ClosestPoint closest = closest_point(p, best->corner, best->thin);
   Ball ball(p);
   ball.shrink(closest.distance2);
   const auto nearness = [&](const Float4(&low)[3], const Float4(&high)[3]) {
     return Float4::broadcast(0) - ball.distance2(low, high);
   };
-  tree_.traverse_ranked(ball, nearness, [&](std::int32_t place) {
-    const Triangle& triangle = triangles_[place];
+  tree_.traverse_ranked(ball, nearness, [&](std::int32_t slot) {
+    const Triangle& triangle = triangles_[slot];
     const ClosestPoint found = closest_point(p, triangle.corner, triangle.thin);
     if (found.distance2 > closest.distance2) return;
     if (found.distance2 == closest.distance2 && triangle.index >= best->index) return;

@@ -35,8 +35,8 @@ class SignedDistance {
   /// The mesh is copied; it must have a triangle. Throws Error if not.
   explicit SignedDistance(const TriangleMesh& mesh, Sign sign = Sign::pseudonormal);
 
-  /// `start` is a triangle believed to be near, best the closest one of a point close by; the answer does not
-  /// depend on it, only the time.
+  /// `start` is a triangle believed to be near, best the closest one of a point close by; the answer does not depend on
+  /// it, only the time.
   Nearest nearest(const Point& p, std::int32_t start = 0) const;
 
   /// Nearer than this the direction is the normal at the closest point, epsilon of eq. 6: 1e-5 diagonals.
@@ -53,7 +53,7 @@ class SignedDistance {
 
   Triangles corners_;                              ///< vertex indices
   std::vector<Triangle> triangles_;                ///< in the order of the tree's leaves
-  std::vector<std::int32_t> place_;                ///< of each triangle of the mesh in triangles_
+  std::vector<std::int32_t> slot_;                 ///< of each triangle of the mesh in triangles_
   std::vector<Point> face_normal_;                 ///< unit, per triangle of the mesh
   std::vector<std::array<Point, 3>> edge_normal_;  ///< sum of the faces' at the edge corner k -> k + 1
   std::vector<Point> vertex_normal_;               ///< weighted by the angles

@@ -10,10 +10,10 @@ namespace encage::makers {
 
 namespace {
 
-constexpr double kFullAngle = 12.566370614359172;
-constexpr std::int32_t kLeaf = 8;
+constexpr double full_angle = 12.566370614359172;
+constexpr std::int32_t leaf_triangles = 8;
 // A node this many radii away counts as a dipole: Barill et al. use 2; 3 keeps the error of a node below about 1 %.
-constexpr double kFar = 3;
+constexpr double far_radii = 3;
 
 Point centroid(const Corners& t) { return (t[0] + t[1] + t[2]) / 3; }
 
@@ -30,7 +30,7 @@ double winding_of_triangle(const Point& p, const Corners& t) {
   const double volume = a.dot(b.cross(c));
   const double rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
   // In the triangle's plane either half-turn would do: count neither.
-  return volume == 0 ? 0 : 2 * arc_tangent(volume, rest) / kFullAngle;
+  return volume == 0 ? 0 : 2 * arc_tangent(volume, rest) / full_angle;
 }
 
 WindingNumber::WindingNumber(const TriangleMesh& mesh) {
@@ -59,8 +59,8 @@ std::int32_t WindingNumber::build(std::span<Corners> triangles, std::int32_t fir
   for (const Corners& t : triangles) {
     for (const Point& p : t) node.reach2 = std::max(node.reach2, (p - node.centre).squaredNorm());
   }
-  node.reach2 *= kFar * kFar;
-  if (node.last - first > kLeaf) {
+  node.reach2 *= far_radii * far_radii;
+  if (node.last - first > leaf_triangles) {
     int axis = 0;
     box.sizes().maxCoeff(&axis);
     const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(triangles.size() / 2);
@@ -85,7 +85,7 @@ double WindingNumber::operator()(const Point& p) const {
     const Point to = node.centre - p;
     const double distance2 = to.squaredNorm();
     if (distance2 > node.reach2) {
-      sum += node.dipole.dot(to) / (kFullAngle * distance2 * std::sqrt(distance2));
+      sum += node.dipole.dot(to) / (full_angle * distance2 * std::sqrt(distance2));
     } else if (node.right == 0) {
       for (std::int32_t t = node.first; t < node.last; ++t) sum += winding_of_triangle(p, triangles_[t]);
     } else {

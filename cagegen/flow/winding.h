@@ -10,9 +10,9 @@
 
 namespace encage::makers {
 
-/// Generalised winding number of a triangle soup: 1 inside, 0 outside a closed surface, between and beyond for
-/// open and self-intersecting ones (Jacobson et al. 2013), by a tree whose far nodes count as dipoles (Barill
-/// et al. 2018). It guides makers; it proves nothing. Queries are re-entrant.
+/// Generalised winding number of a triangle soup: 1 inside, 0 outside a closed surface, between and beyond for open and
+/// self-intersecting ones (Jacobson et al. 2013), by a tree whose far nodes count as dipoles (Barill et al. 2018). It
+/// guides makers; it proves nothing. Queries are re-entrant.
 class WindingNumber {
  public:
   explicit WindingNumber(const TriangleMesh& mesh);

@@ -9,12 +9,12 @@ namespace encage::makers {
 
 namespace {
 
-// Rounding in BoxFilter, relative to the largest coordinate: six products and their sums in float,
-// each off by at most 2^-24 of a partial sum below 2 sqrt(3).
-constexpr double kFilterSlack = 1.5e-6;
+// Rounding in BoxFilter, relative to the largest coordinate: six products and their sums in float, each off by at most
+// 2^-24 of a partial sum below 2 sqrt(3).
+constexpr double filter_slack = 1.5e-6;
 
 // Distance from the edge at which a triangle is lifted in full, in lifts.
-constexpr double kFullLift = 20;
+constexpr double full_lift = 20;
 
 /// A triangle cut by four half-spaces: each adds one corner at most, but for rounding.
 class Polygon {
@@ -29,7 +29,7 @@ class Polygon {
     const auto& from = corner_[side_];
     auto& to = corner_[1 - side_];
     int kept = 0;
-    for (int i = 0; i < count_ && kept + 2 <= kCapacity; ++i) {
+    for (int i = 0; i < count_ && kept + 2 <= lane_capacity; ++i) {
       const Point& p = from[i];
       const Point& q = from[i + 1 < count_ ? i + 1 : 0];
       const double fp = value(p);
@@ -42,15 +42,15 @@ class Polygon {
   }
 
  private:
-  static constexpr int kCapacity = 12;
-  std::array<Point, kCapacity> corner_[2];
+  static constexpr int lane_capacity = 12;
+  std::array<Point, lane_capacity> corner_[2];
   int side_ = 0;
   int count_;
 };
 
 }  // namespace
 
-BoxFilter::BoxFilter(const Eigen::AlignedBox3d& box, double magnitude) : slack_(kFilterSlack * magnitude) {
+BoxFilter::BoxFilter(const Eigen::AlignedBox3d& box, double magnitude) : slack_(filter_slack * magnitude) {
   for (int axis = 0; axis < 3; ++axis) {
     low_[axis] = static_cast<float>(box.min()[axis] - slack_);
     high_[axis] = static_cast<float>(box.max()[axis] + slack_);
@@ -123,13 +123,13 @@ Obstacle::Obstacle(const TriangleMesh& mesh) {
       representative_vertex_.push_back(mesh.triangles(static_cast<std::int64_t>(t), 0));
     }
   }
-  place(mesh.vertices);
+  set_vertices(mesh.vertices);
   boxes.assign(representative_.size(), {});
   for (std::size_t c = 0; c < boxes.size(); ++c) boxes[c].extend(representative_[c]);
   representative_tree_.build(boxes);
 }
 
-void Obstacle::place(const Vertices& vertices) {
+void Obstacle::set_vertices(const Vertices& vertices) {
   const auto vertex = [&](std::int32_t v) -> Point { return vertices.row(v).transpose(); };
   corners_.resize(triangle_.size());
   magnitude_ = 0;
@@ -144,7 +144,7 @@ void Obstacle::place(const Vertices& vertices) {
 }
 
 void Obstacle::move(const Vertices& vertices) {
-  place(vertices);
+  set_vertices(vertices);
   std::vector<Eigen::AlignedBox3d> boxes(corners_.size());
   for (std::size_t t = 0; t < boxes.size(); ++t) {
     for (const Point& p : corners_[t]) boxes[t].extend(p);
@@ -203,10 +203,13 @@ void Obstacle::highest_hits(const Prism& prism, double clearance, std::size_t li
 }
 
 bool Obstacle::hit(const Prism& prism, double clearance) const {
-  thread_local std::vector<std::int32_t> found;
-  found.clear();
-  hits(prism, clearance, 1, found);
-  return !found.empty();
+  bool touched = false;
+  tree_.traverse(near(prism, clearance), [&](std::int32_t t) {
+    if (touched) return;
+    ++work();
+    touched = !separated(prism.corner, corners(t), clearance);
+  });
+  return touched;
 }
 
 double Obstacle::steepest(const Prism& prism, const Corners& t, double lift, double ceiling, double slope) {
@@ -231,7 +234,7 @@ double Obstacle::steepest(const Prism& prism, const Corners& t, double lift, dou
   }
   // Next to the edge, which stays where it is, turning lifts nothing: ask for less there.
   const double depth = inward.dot(prism.corner[0] - prism.corner[1]);
-  const double full = std::min(kFullLift * lift, depth / 4);
+  const double full = std::min(full_lift * lift, depth / 4);
   for (const Point& p : polygon.corners()) {
     const double distance = inward.dot(p);
     const double height = prism.normal.dot(p);

@@ -13,8 +13,8 @@
 
 namespace encage::makers {
 
-/// Accepts boxes that may meet a set of half-spaces and a box; for TriangleTree::traverse.
-/// Works in float with slack for its own rounding: it only prunes.
+/// Accepts boxes that may meet a set of half-spaces and a box; for TriangleTree::traverse. Works in float with slack
+/// for its own rounding: it only prunes.
 class BoxFilter {
  public:
   /// `magnitude` bounds the coordinates of all boxes that will be tested.
@@ -69,8 +69,8 @@ class Obstacle {
   const Corners& corners(std::int32_t triangle) const { return corners_[triangle]; }
   std::size_t size() const { return corners_.size(); }
 
-  /// Appends the obstacle triangles not proven farther than `clearance` from the
-  /// prism's triangle, at most `limit` in all, in no useful but a fixed order.
+  /// Appends the obstacle triangles not proven farther than `clearance` from the prism's triangle, at most `limit` in
+  /// all, in no useful but a fixed order.
   void hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
   /// The same, those that reach highest over the triangle first, as far as boxes tell.
   void highest_hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const;
@@ -79,15 +79,15 @@ class Obstacle {
   BoxFilter near(const Prism& prism, double clearance, double magnitude = 0) const;
   bool hit(const Prism& prism, double clearance) const;
 
-  /// How far the plane of the prism's triangle must turn about its edge corner[1] -> corner[2] so that
-  /// the obstacle in the prism, lifted by `lift` and up to `ceiling` above the triangle, lies under
-  /// it: the largest height / distance from the edge, at least `slope`.
+  /// How far the plane of the prism's triangle must turn about its edge corner[1] -> corner[2] so that the obstacle in
+  /// the prism, lifted by `lift` and up to `ceiling` above the triangle, lies under it: the largest height / distance
+  /// from the edge, at least `slope`.
   double steepest(const Prism& prism, double lift, double ceiling, double slope) const;
   /// The same for one obstacle triangle.
   static double steepest(const Prism& prism, const Corners& t, double lift, double ceiling, double slope);
 
-  /// Height above the prism's triangle of the highest corner of the obstacle over it, at most `ceiling`
-  /// (higher ones belong to other parts) and at least `height`.
+  /// Height above the prism's triangle of the highest corner of the obstacle over it, at most `ceiling` (higher ones
+  /// belong to other parts) and at least `height`.
   double highest(const Prism& prism, double ceiling, double height) const;
 
   /// Points, one a component.
@@ -99,7 +99,7 @@ class Obstacle {
   static std::uint64_t& work();
 
  private:
-  void place(const Vertices& vertices);
+  void set_vertices(const Vertices& vertices);
 
   std::vector<std::array<std::int32_t, 3>> triangle_;  ///< vertices
   std::vector<Corners> corners_;

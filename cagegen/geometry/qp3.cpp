@@ -12,9 +12,9 @@ namespace encage::makers {
 
 namespace {
 
-constexpr int kMaxConstraints = 96;
-constexpr double kTolerance = 1e-10;  // of unit-length quantities in whitened space
-constexpr double kParallel = 1e-9;    // sine below which two normals count as parallel
+constexpr int max_constraints = 96;
+constexpr double relative_tolerance = 1e-10;  // of unit-length quantities in whitened space
+constexpr double parallel_sine = 1e-9;        // sine below which two normals count as parallel
 
 /// Closest point to `target` on the line point + t direction within the half-spaces.
 std::optional<Eigen::Vector3d> nearest_on_line(const Eigen::Vector3d& target, const Eigen::Vector3d& point,
@@ -25,7 +25,7 @@ std::optional<Eigen::Vector3d> nearest_on_line(const Eigen::Vector3d& target, co
   for (const HalfSpace& c : constraints) {
     const double slope = c.normal.dot(direction);
     const double gap = c.offset - c.normal.dot(point);
-    if (std::abs(slope) < kParallel) {
+    if (std::abs(slope) < parallel_sine) {
       if (gap > tolerance) return std::nullopt;
     } else if (slope > 0) {
       low = std::max(low, gap / slope);
@@ -48,7 +48,7 @@ std::optional<Eigen::Vector3d> nearest_on_plane(const Eigen::Vector3d& target, c
     if (gap <= tolerance) continue;
     Eigen::Vector3d direction = plane.normal.cross(c.normal);
     const double sine = direction.norm();
-    if (sine < kParallel) return std::nullopt;
+    if (sine < parallel_sine) return std::nullopt;
     direction /= sine;
     // In-plane step from the foot to the line where both are tight.
     const Eigen::Vector3d across = direction.cross(plane.normal);
@@ -69,7 +69,7 @@ std::optional<Eigen::Vector3d> solve_qp(const Eigen::Matrix3d& a, const Eigen::V
   const Eigen::LLT<Eigen::Matrix3d> factor(a);
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::Vector3d target = factor.matrixL().solve(b);
-  std::array<HalfSpace, kMaxConstraints> whitened;
+  std::array<HalfSpace, max_constraints> whitened;
   std::size_t count = 0;
   double scale = target.norm();
   for (const HalfSpace& c : constraints) {
@@ -80,7 +80,7 @@ std::optional<Eigen::Vector3d> solve_qp(const Eigen::Matrix3d& a, const Eigen::V
     whitened[count++] = {normal / length, c.offset / length};
     scale = std::max(scale, std::abs(c.offset / length));
   }
-  const double tolerance = kTolerance * scale;
+  const double tolerance = relative_tolerance * scale;
   const std::span<const HalfSpace> all(whitened.data(), count);
   Eigen::Vector3d best = target;
   for (std::size_t i = 0; i < count; ++i) {

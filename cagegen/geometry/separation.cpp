@@ -9,9 +9,9 @@ namespace encage::makers {
 namespace {
 
 // Sines below this count as touching.
-constexpr double kAngle = 1e-6;
+constexpr double least_sine = 1e-6;
 // A dihedral fold sharper than this (cosine between the half-planes) is refused.
-constexpr double kFold = 1 - 1e-9;
+constexpr double sharpest_fold = 1 - 1e-9;
 
 bool gap_along(const Point& axis, const Corners& s, const Corners& t, double clearance) {
   const double length2 = axis.squaredNorm();
@@ -30,24 +30,24 @@ bool gap_along(const Point& axis, const Corners& s, const Corners& t, double cle
 /// The plane through the apex with this normal: a, b on one side, c, d on the other, one pair strictly.
 bool splits(const Point& normal, const Point& a, const Point& b, const Point& c, const Point& d) {
   const double length = normal.norm();
-  if (length < kAngle) return false;
+  if (length < least_sine) return false;
   const double low_ab = std::min(normal.dot(a), normal.dot(b)) / length;
   const double high_ab = std::max(normal.dot(a), normal.dot(b)) / length;
   const double low_cd = std::min(normal.dot(c), normal.dot(d)) / length;
   const double high_cd = std::max(normal.dot(c), normal.dot(d)) / length;
   constexpr double rounding = 1e-12;
-  return (low_ab >= -rounding && high_cd < -kAngle) || (low_ab > kAngle && high_cd <= rounding) ||
-         (low_cd >= -rounding && high_ab < -kAngle) || (low_cd > kAngle && high_ab <= rounding);
+  return (low_ab >= -rounding && high_cd < -least_sine) || (low_ab > least_sine && high_cd <= rounding) ||
+         (low_cd >= -rounding && high_ab < -least_sine) || (low_cd > least_sine && high_ab <= rounding);
 }
 
 /// The plane through the apex, along a and c: b and d strictly on opposite sides.
 bool splits_along(const Point& a, const Point& b, const Point& c, const Point& d) {
   const Point normal = a.cross(c);
   const double length = normal.norm();
-  if (length < kAngle) return false;
+  if (length < least_sine) return false;
   const double side_b = normal.dot(b) / length;
   const double side_d = normal.dot(d) / length;
-  return (side_b > kAngle && side_d < -kAngle) || (side_b < -kAngle && side_d > kAngle);
+  return (side_b > least_sine && side_d < -least_sine) || (side_b < -least_sine && side_d > least_sine);
 }
 
 }  // namespace
@@ -89,13 +89,13 @@ bool separated_at_edge(const Point& a, const Point& b, const Point& c, const Poi
   const Point e = (b - a).normalized();
   const Point w = (c - a) - e.dot(c - a) * e;
   const Point x = (d - a) - e.dot(d - a) * e;
-  return w.dot(x) < kFold * w.norm() * x.norm();
+  return w.dot(x) < sharpest_fold * w.norm() * x.norm();
 }
 
 bool separated(const std::array<std::int32_t, 3>& index_s, const Corners& s, const std::array<std::int32_t, 3>& index_t,
                const Corners& t, double clearance) {
   int shared = 0;
-  int in_s = 0;  // sums of the shared places: one place, or three less the third one
+  int in_s = 0;  // sums of the shared corners: one index, or three less the third one
   int in_t = 0;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {

@@ -44,13 +44,13 @@ void TriangleTree::set_box(Node& node, int lane, const Eigen::AlignedBox3d& box)
 
 void TriangleTree::build(std::span<const Eigen::AlignedBox3d> boxes) {
   nodes_.clear();
-  place_.assign(boxes.size(), kNone);
+  slot_.assign(boxes.size(), no_slot);
   std::vector<std::int32_t> primitives;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (!boxes[i].isEmpty()) primitives.push_back(static_cast<std::int32_t>(i));
   }
   nodes_.reserve(primitives.size() / 2 + 1);
-  if (!primitives.empty()) build_node(primitives, boxes, kNone);
+  if (!primitives.empty()) build_node(primitives, boxes, no_slot);
 }
 
 std::int32_t TriangleTree::build_node(std::span<std::int32_t> primitives, std::span<const Eigen::AlignedBox3d> boxes,
@@ -88,7 +88,7 @@ std::int32_t TriangleTree::build_node(std::span<std::int32_t> primitives, std::s
     if (parts[lane].size() == 1) {
       nodes_[index].kind[lane] = Kind::leaf;
       nodes_[index].child[lane] = parts[lane][0];
-      place_[parts[lane][0]] = index * 4 + lane;
+      slot_[parts[lane][0]] = index * 4 + lane;
     } else {
       const std::int32_t child = build_node(parts[lane], boxes, index * 4 + lane);
       nodes_[index].kind[lane] = Kind::inner;
@@ -100,16 +100,16 @@ std::int32_t TriangleTree::build_node(std::span<std::int32_t> primitives, std::s
 
 std::vector<std::int32_t> TriangleTree::renumber() {
   std::vector<std::int32_t> old_number;
-  std::vector<std::int32_t> place;
+  std::vector<std::int32_t> slot;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     for (int lane = 0; lane < 4; ++lane) {
       if (nodes_[n].kind[lane] != Kind::leaf) continue;
       old_number.push_back(nodes_[n].child[lane]);
-      nodes_[n].child[lane] = static_cast<std::int32_t>(place.size());
-      place.push_back(static_cast<std::int32_t>(n) * 4 + lane);
+      nodes_[n].child[lane] = static_cast<std::int32_t>(slot.size());
+      slot.push_back(static_cast<std::int32_t>(n) * 4 + lane);
     }
   }
-  place_ = std::move(place);
+  slot_ = std::move(slot);
   return old_number;
 }
 
@@ -138,17 +138,17 @@ void TriangleTree::refit(std::span<const Eigen::AlignedBox3d> boxes) {
 
 void TriangleTree::update(std::int32_t primitive, const Eigen::AlignedBox3d& box) {
   // The leaf takes the new box; its ancestors only grow.
-  std::int32_t place = place_[primitive];
-  set_box(nodes_[place / 4], place % 4, box);
+  std::int32_t slot = slot_[primitive];
+  set_box(nodes_[slot / 4], slot % 4, box);
   float low[3];
   float high[3];
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = nodes_[place / 4].low[axis][place % 4];
-    high[axis] = nodes_[place / 4].high[axis][place % 4];
+    low[axis] = nodes_[slot / 4].low[axis][slot % 4];
+    high[axis] = nodes_[slot / 4].high[axis][slot % 4];
   }
-  for (place = nodes_[place / 4].parent; place != kNone; place = nodes_[place / 4].parent) {
-    Node& node = nodes_[place / 4];
-    const int lane = place % 4;
+  for (slot = nodes_[slot / 4].parent; slot != no_slot; slot = nodes_[slot / 4].parent) {
+    Node& node = nodes_[slot / 4];
+    const int lane = slot % 4;
     bool grown = false;
     for (int axis = 0; axis < 3; ++axis) {
       if (low[axis] < node.low[axis][lane]) {
@@ -165,9 +165,9 @@ void TriangleTree::update(std::int32_t primitive, const Eigen::AlignedBox3d& box
 }
 
 void TriangleTree::remove(std::int32_t primitive) {
-  const std::int32_t place = place_[primitive];
-  nodes_[place / 4].kind[place % 4] = Kind::none;
-  place_[primitive] = kNone;
+  const std::int32_t slot = slot_[primitive];
+  nodes_[slot / 4].kind[slot % 4] = Kind::none;
+  slot_[primitive] = no_slot;
 }
 
 }  // namespace encage::makers

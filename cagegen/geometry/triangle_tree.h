@@ -13,12 +13,11 @@
 
 namespace encage::makers {
 
-/// Four-wide bounding volume tree over boxes, one primitive a leaf lane. Boxes
-/// are float, rounded outward. Primitives may move (update) or go (remove);
-/// boxes then only grow, so rebuild after many changes.
+/// Four-wide bounding volume tree over boxes, one primitive a leaf lane. Boxes are float, rounded outward. Primitives
+/// may move (update) or go (remove); boxes then only grow, so rebuild after many changes.
 class TriangleTree {
  public:
-  static constexpr std::int32_t kNone = -1;
+  static constexpr std::int32_t no_slot = -1;
 
   TriangleTree() = default;
   /// Primitives with an empty box are left out.
@@ -27,8 +26,8 @@ class TriangleTree {
   void build(std::span<const Eigen::AlignedBox3d> boxes);
   bool empty() const { return nodes_.empty(); }
 
-  /// Renumbers the primitives in the order of the leaves, so that data stored in that order lie
-  /// together as they are visited. Returns the old number of each.
+  /// Renumbers the primitives in the order of the leaves, so that data stored in that order lie together as they are
+  /// visited. Returns the old number of each.
   std::vector<std::int32_t> renumber();
 
   /// Fits all boxes anew, tightly, without changing the shape of the tree.
@@ -38,8 +37,8 @@ class TriangleTree {
   void update(std::int32_t primitive, const Eigen::AlignedBox3d& box);
   void remove(std::int32_t primitive);
 
-  /// Calls visit(primitive) for every primitive whose box is accepted by
-  /// test(low, high): arrays [3] of Float4, returning a Mask4.
+  /// Calls visit(primitive) for every primitive whose box is accepted by test(low, high): arrays [3] of Float4,
+  /// returning a Mask4.
   template <class Test, class Visit>
   void traverse(const Test& test, const Visit& visit) const {
     if (nodes_.empty()) return;
@@ -98,7 +97,7 @@ class TriangleTree {
     float high[3][4];
     std::int32_t child[4];
     std::array<Kind, 4> kind{};
-    std::int32_t parent = kNone;  ///< node * 4 + lane
+    std::int32_t parent = no_slot;  ///< node * 4 + lane
   };
 
   /// The four boxes of a node, loaded.
@@ -118,7 +117,7 @@ class TriangleTree {
   static void set_box(Node& node, int lane, const Eigen::AlignedBox3d& box);
 
   std::vector<Node> nodes_;
-  std::vector<std::int32_t> place_;  ///< per primitive: node * 4 + lane
+  std::vector<std::int32_t> slot_;  ///< per primitive: node * 4 + lane
 };
 
 }  // namespace encage::makers

@@ -9,10 +9,9 @@
 #include <string_view>
 #include <vector>
 
-// What the readers of single formats share. They parse the whole file in memory and
-// name the element and the line of every fault; CGAL's readers return only a bool, and
-// let through what we must refuse (NaN in STL, an OBJ index one past the end, a PLY
-// without coordinates) or lose corners (OBJ with tabs).
+// What the readers of single formats share. They parse the whole file in memory and name the element and the line of
+// every fault; CGAL's readers return only a bool, and let through what we must refuse (NaN in STL, an OBJ index one
+// past the end, a PLY without coordinates) or lose corners (OBJ with tabs).
 
 namespace encage::io {
 
@@ -32,8 +31,7 @@ struct Soup {
 [[noreturn]] void fail(const std::filesystem::path& file, const char* element, std::int64_t number,
                        const std::string& reason);
 
-/// "at most this many elements can be in so many bytes": counts in headers are not
-/// trusted with memory.
+/// "at most this many elements can be in so many bytes": counts in headers are not trusted with memory.
 std::size_t plausible_count(std::int64_t count, std::size_t bytes);
 
 /// Refuses non-finite coordinates, too few corners and indices out of range.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/io/mesh_file.h"
+#include "src/asset/json.h"
 
 #include <Eigen/Geometry>
 #include <tiny_gltf.h>
@@ -11,7 +12,7 @@
 namespace encage::io {
 namespace {
 
-/// Elements of an accessor in place: `count` of them, `stride` bytes apart.
+/// The elements of an accessor, not copied: `count` of them, `stride` bytes apart.
 struct View {
   const unsigned char* data = nullptr;
   std::size_t stride = 0;
@@ -33,7 +34,7 @@ class Scene {
 
   Soup read() {
     visited_.assign(model_.nodes.size(), false);
-    for (const int node : roots()) visit(node, Eigen::Affine3d::Identity(), 0);
+    for (const int root : roots()) read_tree(root);
     return std::move(soup_);
   }
 
@@ -75,21 +76,39 @@ class Scene {
     return result;
   }
 
-  void visit(int number, const Eigen::Affine3d& parent, int depth) {
+  struct Visit {
+    int node;
+    Eigen::Affine3d parent;  ///< transform to the scene
+  };
+
+  /// A node and all below it, depth first. Not recursive: files may nest nodes as deep as they like.
+  void read_tree(int root) {
+    std::vector<Visit> pending{{root, Eigen::Affine3d::Identity()}};
+    while (!pending.empty()) {
+      const Visit visit = pending.back();
+      pending.pop_back();
+      read_node(visit, pending);
+    }
+  }
+
+  /// Reads the node itself, and leaves its children to be read, the first one next.
+  void read_node(const Visit& visit, std::vector<Visit>& pending) {
+    const int number = visit.node;
     if (number < 0 || number >= static_cast<int>(model_.nodes.size())) {
       fail(file_, "node", number, "does not exist");
     }
     if (visited_[number]) fail(file_, "node", number, "has more than one parent");
-    if (depth > max_depth) fail(file_, "node", number, "is nested too deeply");
     visited_[number] = true;
     const tinygltf::Node& node = model_.nodes[number];
-    const Eigen::Affine3d global = parent * transform(number);
+    const Eigen::Affine3d global = visit.parent * transform(number);
     // A skinned mesh is placed by its joints, not by its node: it is read in its bind pose.
     if (node.mesh >= 0) add_mesh(node.mesh, node.skin >= 0 ? Eigen::Affine3d::Identity() : global);
-    for (const int child : node.children) visit(child, global, depth + 1);
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
+      pending.push_back({*child, global});
+    }
   }
 
-  void add_mesh(int number, const Eigen::Affine3d& place) {
+  void add_mesh(int number, const Eigen::Affine3d& to_scene) {
     if (number >= static_cast<int>(model_.meshes.size())) fail(file_, "mesh", number, "does not exist");
     std::map<int, std::int64_t> bases;  // accessor -> first vertex: primitives often share their vertices
     for (const tinygltf::Primitive& primitive : model_.meshes[number].primitives) {
@@ -104,18 +123,18 @@ class Scene {
       if (positions.component != TINYGLTF_COMPONENT_TYPE_FLOAT) {
         fail(file_, "accessor", position->second, "positions must be float (quantized meshes are not supported)");
       }
-      if (is_new) add_vertices(positions, place);
+      if (is_new) add_vertices(positions, to_scene);
       // A mirroring transform turns the winding (glTF 2.0, section 3.7.2.1).
       add_triangles(primitive.indices, mode, base->second, static_cast<std::int64_t>(positions.count),
-                    place.linear().determinant() < 0);
+                    to_scene.linear().determinant() < 0);
     }
   }
 
-  void add_vertices(const View& positions, const Eigen::Affine3d& place) {
+  void add_vertices(const View& positions, const Eigen::Affine3d& to_scene) {
     for (std::size_t i = 0; i < positions.count; ++i) {
       const unsigned char* const data = positions.data + i * positions.stride;
       const Eigen::Vector3d point =
-          place * Eigen::Vector3d(load<float>(data), load<float>(data + 4), load<float>(data + 8));
+          to_scene * Eigen::Vector3d(load<float>(data), load<float>(data + 4), load<float>(data + 8));
       soup_.coordinates.insert(soup_.coordinates.end(), point.data(), point.data() + 3);
     }
   }
@@ -191,8 +210,7 @@ class Scene {
 
   const std::filesystem::path& file_;
   const tinygltf::Model& model_;
-  static constexpr int max_depth = 10000;  ///< of nodes: visit() recurses
-  std::vector<bool> visited_;              ///< nodes form trees (glTF 2.0, section 3.5.1)
+  std::vector<bool> visited_;  ///< nodes form trees (glTF 2.0, section 3.5.1)
   Soup soup_;
 };
 
@@ -201,8 +219,20 @@ bool ignore_image(tinygltf::Image*, int, std::string*, std::string*, int, int, c
   return true;
 }
 
+/// The JSON of a file, text or binary, as far as the file holds it.
+std::string_view json_of(std::string_view bytes) {
+  constexpr std::size_t header = 20;  // of a binary file and its first chunk, which is the JSON
+  if (!bytes.starts_with("glTF")) return bytes;
+  if (bytes.size() < header) return {};
+  return bytes.substr(header, load<std::uint32_t>(reinterpret_cast<const unsigned char*>(bytes.data()) + 12));
+}
+
 tinygltf::Model load_model(const std::filesystem::path& file, std::string_view bytes) {
   if (bytes.size() > UINT32_MAX) fail(file, "larger than 4 GiB");
+  // The library reads extras recursively.
+  if (json_depth(json_of(bytes)) > max_json_depth) {
+    fail(file, "JSON nested deeper than " + std::to_string(max_json_depth) + " levels");
+  }
   const auto size = static_cast<unsigned int>(bytes.size());
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
   tinygltf::TinyGLTF loader;

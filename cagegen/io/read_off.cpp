@@ -7,8 +7,7 @@
 namespace encage::io {
 namespace {
 
-/// The prefixes of Geomview's OFF that matter to us; the rest of a line (normals,
-/// colours, texture) is skipped.
+/// The prefixes of Geomview's OFF that matter to us; the rest of a line (normals, colours, texture) is skipped.
 struct Header {
   bool homogeneous = false;
   std::int64_t vertices = 0;

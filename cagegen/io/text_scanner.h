@@ -8,8 +8,8 @@
 
 namespace encage::io {
 
-/// Splits a text into tokens at blanks, skips comments from '#' to the end of the line,
-/// and knows the line it is at. Independent of the locale.
+/// Splits a text into tokens at blanks, skips comments from '#' to the end of the line, and knows the line it is at.
+/// Independent of the locale.
 class TextScanner {
  public:
   TextScanner(const std::filesystem::path& file, std::string_view text) : file_(file), text_(text) {}
@@ -17,8 +17,7 @@ class TextScanner {
   std::int64_t line() const { return line_; }  ///< of the last token, from 1
   /// The next token on this or a later line; empty at the end of the text.
   std::string_view token();
-  /// The next token on this line (a backslash at its end joins it with the next); empty
-  /// if there is none.
+  /// The next token on this line (a backslash at its end joins it with the next); empty if there is none.
   std::string_view token_on_line();
   void skip_line();
 

@@ -4,6 +4,7 @@
 #include <encage/bake.h>
 
 #include <array>
+#include <filesystem>
 #include <span>
 
 namespace encage {
@@ -23,5 +24,7 @@ TriangleMesh triangulate(const PolygonMesh& polygons) {
                                                static_cast<Eigen::Index>(triangles.size()), 3);
   return mesh;
 }
+
+TriangleMesh read_mesh(const std::filesystem::path& file) { return triangulate(read_polygon_mesh(file)); }
 
 }  // namespace encage

@@ -7,8 +7,8 @@
 
 namespace encage::render {
 
-// Text forms of the options, as command lines give them. Each throws Error that
-// quotes the text and says what was expected.
+// Text forms of the options, as command lines give them. Each throws Error that quotes the text and says what was
+// expected.
 
 struct Size {
   int width = 0;

@@ -23,8 +23,8 @@ Eigen::Matrix3d frame_of(Axis up) {
   return frame;
 }
 
-// The best place of the eye along one axis of the picture: |x - place| <= slope * (depth + distance)
-// for all points with the smallest distance.
+// The best position of the eye along one axis of the picture: |x - position| <= slope * (depth + distance) for all
+// points with the smallest distance.
 struct Fit {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ struct Fit {
     low = std::max(low, x - slope * depth);
     high = std::min(high, x + slope * depth);
   }
-  double place() const { return (low + high) / 2; }
+  double middle() const { return (low + high) / 2; }
   double distance(double slope) const { return (low - high) / (2 * slope); }
 };
 
@@ -62,7 +62,7 @@ View::View(const Camera& camera, int width, int height, const std::vector<Eigen:
   // The second term keeps the eye away from a mesh that is a point or a line of sight.
   const double distance =
       std::max(fit_x.distance(slope_x), fit_y.distance(slope_y)) + 1e-3 * box.diagonal().norm() + 1e-30;
-  double x = fit_x.place(), y = fit_y.place();
+  double x = fit_x.middle(), y = fit_y.middle();
   if (camera.focus) {
     x = camera.focus->dot(right_);
     y = camera.focus->dot(up_);

@@ -7,8 +7,8 @@
 
 namespace encage::render {
 
-/// A pinhole camera. Pixel coordinates: origin in the upper left corner, y down,
-/// centre of the first pixel at (0.5, 0.5).
+/// A pinhole camera. Pixel coordinates: origin in the upper left corner, y down, centre of the first pixel at (0.5,
+/// 0.5).
 class View {
  public:
   /// Fits `points` into a picture of this size.
@@ -30,8 +30,8 @@ class View {
   Eigen::Vector2d middle_;
 };
 
-/// The camera that looks along the axis of a cut, on the plane's positive side
-/// (its negative side for y, when that is the front).
+/// The camera that looks along the axis of a cut, on the plane's positive side (its negative side for y, when that is
+/// the front).
 Camera camera_along(Axis axis, Axis up);
 
 }  // namespace encage::render

@@ -25,8 +25,7 @@ constexpr int occlusion_rays = 6;  // a sample
 constexpr double golden_turn = 0.3819660112501051;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// Light is added linearly; a square root is close enough to the display's curve,
-// and the same on every machine.
+// Light is added linearly; a square root is close enough to the display's curve, and the same on every machine.
 Color to_linear(const Color& displayed) { return displayed.cwiseProduct(displayed); }
 Color to_displayed(const Color& linear) { return linear.cwiseMax(0.F).cwiseMin(1.F).cwiseSqrt(); }
 Color mix(const Color& under, const Color& over, float alpha) { return under + alpha * (over - under); }

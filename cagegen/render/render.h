@@ -31,8 +31,7 @@ struct Item {
 
 enum class Axis { x = 0, y = 1, z = 2 };
 
-/// Where to look from. The distance is chosen so that everything visible fits
-/// at zoom 1.
+/// Where to look from. The distance is chosen so that everything visible fits at zoom 1.
 struct Camera {
   double azimuth =
       35;  ///< degrees about `up`; 0 looks along +y if z is up (along -z if y is up), positive: eye moves to the right
@@ -42,8 +41,8 @@ struct Camera {
   std::optional<Eigen::Vector3d> focus;  ///< point shown in the middle of the picture
 };
 
-/// Only what lies beyond this plane, seen from the eye, is drawn. In the plane
-/// itself, each mesh is drawn as a contour; where it is closed, its inside is tinted.
+/// Only what lies beyond this plane, seen from the eye, is drawn. In the plane itself, each mesh is drawn as a contour;
+/// where it is closed, its inside is tinted.
 struct Cut {
   Axis axis = Axis::x;
   double offset = 0;
@@ -57,11 +56,10 @@ struct Options {
   std::optional<Cut> cut;
 };
 
-/// Renders with four samples a pixel on white. Items are listed from the inside
-/// out (fine to coarse): finer ones are drawn over coarser ones in a section.
-/// Uses all threads; the picture does not depend on their number. Throws Error for a bad
-/// size, zoom or elevation, nothing to draw, a cut outside the bounds of the
-/// meshes, or an eye in the plane of the cut.
+/// Renders with four samples a pixel on white. Items are listed from the inside out (fine to coarse): finer ones are
+/// drawn over coarser ones in a section. Uses all threads; the picture does not depend on their number. Throws Error
+/// for a bad size, zoom or elevation, nothing to draw, a cut outside the bounds of the meshes, or an eye in the plane
+/// of the cut.
 Image render(std::span<const Item> items, const Options& options);
 
 }  // namespace encage::render

@@ -12,8 +12,8 @@ struct Segment {
   Eigen::Vector3d start, end;
 };
 
-/// Where the plane x[axis] = offset meets a mesh. Vertices in the plane count
-/// as above it, so that the section of a closed mesh is closed.
+/// Where the plane x[axis] = offset meets a mesh. Vertices in the plane count as above it, so that the section of a
+/// closed mesh is closed.
 std::vector<Segment> slice(const TriangleMesh& mesh, const Cut& cut);
 
 /// A section drawn in pixels.

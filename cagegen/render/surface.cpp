@@ -10,7 +10,7 @@ namespace {
 
 constexpr double crease_cosine = 0.766;  // 40 degrees
 
-// Vertices at the same place share the lowest index among them.
+// Vertices at the same position share the lowest index among them.
 std::vector<std::int32_t> weld(const TriangleMesh& mesh) {
   const auto less = [&](std::int32_t a, std::int32_t b) {
     for (int k = 0; k < 3; ++k) {

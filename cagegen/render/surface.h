@@ -14,9 +14,8 @@
 
 namespace encage::render {
 
-/// Unit normals, three a triangle: each is the mean over the triangles around
-/// the corner's point that bend by less than 40 degrees. Corners at the same
-/// place count as one. Flat normals if `smooth` is false.
+/// Unit normals, three a triangle: each is the mean over the triangles around the corner's point that bend by less than
+/// 40 degrees. Corners at the same position count as one. Flat normals if `smooth` is false.
 std::vector<Eigen::Vector3f> corner_normals(const TriangleMesh& mesh, bool smooth);
 
 struct Ray {
@@ -33,8 +32,7 @@ struct Hit {
   float u = 0, v = 0;
 };
 
-/// Triangles of several items in one Embree scene; vertices in float32 relative
-/// to `centre`. Queries are re-entrant.
+/// Triangles of several items in one Embree scene; vertices in float32 relative to `centre`. Queries are re-entrant.
 class Scene {
  public:
   /// Holds the items that `chosen` names.

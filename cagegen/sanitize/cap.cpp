@@ -57,9 +57,8 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
   };
   std::stable_sort(boundary.begin(), boundary.end(), before);
   std::vector<char> used(boundary.size(), 0);
-  // The next unused edge from a vertex. Components are not mixed unless one is closed
-  // only together with another; every vertex has as many edges in as out, so that any
-  // choice ends where it began.
+  // The next unused edge from a vertex. Components are not mixed unless one is closed only together with another; every
+  // vertex has as many edges in as out, so that any choice ends where it began.
   const auto next = [&](std::int32_t from, std::int32_t component) {
     const auto is_free = [&](const BoundaryEdge& edge) { return !used[&edge - boundary.data()]; };
     const auto begin = std::lower_bound(boundary.begin(), boundary.end(), BoundaryEdge{component, from, 0, 0}, before);
@@ -71,12 +70,12 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
     return found != last ? found : boundary.end();
   };
 
-  std::vector<std::int32_t> place(static_cast<std::size_t>(last_vertex) + 1, -1);  // of a vertex on the path
+  std::vector<std::int32_t> path_index(static_cast<std::size_t>(last_vertex) + 1, -1);  // of a vertex on the path
   std::vector<Loop> loops;
   Loop path;  // begins in start.from, ends in `at`
   for (const BoundaryEdge& start : boundary) {
     std::int32_t at = start.from, component = start.component;
-    place[at] = 0;
+    path_index[at] = 0;
     for (;;) {
       const auto edge = next(at, component);
       if (edge == boundary.end()) break;
@@ -84,16 +83,16 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
       used[edge - boundary.begin()] = 1;
       path.push_back(edge->side);
       at = edge->to;
-      if (place[at] < 0) {
-        place[at] = static_cast<std::int32_t>(path.size());
+      if (path_index[at] < 0) {
+        path_index[at] = static_cast<std::int32_t>(path.size());
         continue;
       }
-      const auto first = path.begin() + place[at];
+      const auto first = path.begin() + path_index[at];
       loops.emplace_back(first, path.end());
-      for (auto side = first + 1; side != path.end(); ++side) place[head(triangles, *side)] = -1;
+      for (auto side = first + 1; side != path.end(); ++side) path_index[head(triangles, *side)] = -1;
       path.erase(first, path.end());
     }
-    place[start.from] = -1;
+    path_index[start.from] = -1;
   }
   return loops;
 }

@@ -2,8 +2,7 @@
 #include "cagegen/sanitize/degenerate.h"
 
 #include "cagegen/sanitize/edge_table.h"
-
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "cagegen/sanitize/predicates.h"
 
 #include <algorithm>
 #include <array>
@@ -15,14 +14,11 @@
 namespace encage::io {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Triangle = std::array<std::int32_t, 3>;
 using Segment = std::pair<std::int32_t, std::int32_t>;  ///< first <= second; a point if equal
 
-Kernel::Point_3 point(const Eigen::Vector3d& p) { return {p[0], p[1], p[2]}; }
-
 bool is_collinear(const TriangleMesh& mesh, std::int64_t t) {
-  return CGAL::collinear(point(mesh.corner(t, 0)), point(mesh.corner(t, 1)), point(mesh.corner(t, 2)));
+  return collinear(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
 }
 
 /// Triangles with three vertices on a line; those that repeat a vertex are not listed.
@@ -38,7 +34,7 @@ std::vector<std::int32_t> collinear_triangles(const TriangleMesh& mesh) {
 int longest_side(const TriangleMesh& mesh, std::int64_t t) {
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d a = mesh.corner(t, k), b = mesh.corner(t, (k + 2) % 3), c = mesh.corner(t, (k + 1) % 3);
-    if (CGAL::collinear_are_strictly_ordered_along_line(point(a), point(b), point(c))) return k;
+    if (strictly_between(a, b, c)) return k;
   }
   return 0;
 }
@@ -57,8 +53,8 @@ class Flipper {
   Flipper(TriangleMesh& mesh, const EdgeTable& edges)
       : mesh_(mesh), edges_(edges), twin_(twins(edges, mesh.triangles.rows())) {}
 
-  /// Replaces the collinear triangle t and its neighbour across the longest side by two
-  /// valid triangles that cover the same points. False if that is not possible.
+  /// Replaces the collinear triangle t and its neighbour across the longest side by two valid triangles that cover the
+  /// same points. False if that is not possible.
   bool flip(std::int32_t t) {
     Triangles& triangles = mesh_.triangles;
     const Side ca = 3 * t + longest_side(mesh_, t);  // runs from c to a, b lies between them
@@ -155,7 +151,7 @@ class ThinTriangles {
     do {
       beside = p + (q - p) / 2 + distance * across;
       distance *= 2;  // until rounding does not bring it back onto the line
-    } while (a == b ? beside == p : CGAL::collinear(point(p), point(q), point(beside)));
+    } while (a == b ? beside == p : collinear(p, q, beside));
     points_.push_back(beside);
     return static_cast<std::int32_t>(points_.size()) - 1;
   }
@@ -166,8 +162,8 @@ class ThinTriangles {
   std::vector<Triangle> added_;
 };
 
-/// Segments and points of triangles that repeat a vertex, each once, less those that an
-/// edge or a corner of the others covers.
+/// Segments and points of triangles that repeat a vertex, each once, less those that an edge or a corner of the others
+/// covers.
 std::vector<Segment> uncovered_segments(const TriangleMesh& mesh, const EdgeTable& edges,
                                         const std::vector<std::int32_t>& repeating) {
   std::vector<Segment> segments;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/sanitize/ear_clip.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "cagegen/sanitize/predicates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,10 @@
 namespace encage::io {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_2;
+using Point = Eigen::Vector2d;
 
-/// The chain seen along the coordinate axis that its (Newell) normal follows most, turned
-/// so that it runs counter-clockwise.
+/// The chain seen along the coordinate axis that its (Newell) normal follows most, turned so that it runs
+/// counter-clockwise.
 std::vector<Point> project(const Vertices& vertices, std::span<const std::int32_t> chain) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   const Eigen::Vector3d origin = vertices.row(chain[0]).transpose();
@@ -70,24 +69,24 @@ class Clipper {
   }
 
  private:
-  CGAL::Orientation turn(std::int32_t a, std::int32_t b, std::int32_t c) const {
-    return CGAL::orientation(points_[a], points_[b], points_[c]);
+  /// +1 for a turn to the left.
+  int turn(std::int32_t a, std::int32_t b, std::int32_t c) const {
+    return orientation(points_[a], points_[b], points_[c]);
   }
 
   /// Strictly convex and, if `clear`, without another vertex of the chain in or on it.
   bool is_ear(std::int32_t at, bool clear) const {
     const std::int32_t a = previous_[at], c = next_[at];
-    if (turn(a, at, c) != CGAL::LEFT_TURN) return false;
+    if (turn(a, at, c) <= 0) return false;
     if (!clear) return true;
     const auto [left, right] = std::minmax({points_[a].x(), points_[at].x(), points_[c].x()});
     const auto [bottom, top] = std::minmax({points_[a].y(), points_[at].y(), points_[c].y()});
     for (std::int32_t v = next_[c]; v != a; v = next_[v]) {
       const double x = points_[v].x(), y = points_[v].y();
       if (x < left || x > right || y < bottom || y > top) continue;
-      // Chains with bridges visit places twice; a vertex at a corner does not block.
+      // Chains with bridges pass positions twice; a vertex at a corner does not block.
       if (points_[v] == points_[a] || points_[v] == points_[at] || points_[v] == points_[c]) continue;
-      if (turn(a, at, v) != CGAL::RIGHT_TURN && turn(at, c, v) != CGAL::RIGHT_TURN &&
-          turn(c, a, v) != CGAL::RIGHT_TURN) {
+      if (turn(a, at, v) >= 0 && turn(at, c, v) >= 0 && turn(c, a, v) >= 0) {
         return false;
       }
     }

@@ -21,9 +21,8 @@ inline bool repeats_a_vertex(const Triangles& triangles, std::int64_t t) {
   return triangles(t, 0) == triangles(t, 1) || triangles(t, 1) == triangles(t, 2) || triangles(t, 2) == triangles(t, 0);
 }
 
-/// The sides of all triangles, grouped by undirected edge: linear time, sorted by the
-/// lower vertex, then the higher one, then the side. Triangles that repeat a vertex are
-/// left out, as in is_closed().
+/// The sides of all triangles, grouped by undirected edge: linear time, sorted by the lower vertex, then the higher
+/// one, then the side. Triangles that repeat a vertex are left out, as in is_closed().
 class EdgeTable {
  public:
   EdgeTable(const Triangles& triangles, Eigen::Index vertex_count);
@@ -51,8 +50,8 @@ class EdgeTable {
 /// For every side the opposite one on its edge, -1 unless exactly two sides are on it.
 std::vector<Side> twins(const EdgeTable& edges, Eigen::Index triangle_count);
 
-/// True if every edge has exactly two sides, in opposite directions, and the triangles
-/// around every vertex form one fan.
+/// True if every edge has exactly two sides, in opposite directions, and the triangles around every vertex form one
+/// fan.
 bool is_closed_manifold(const Triangles& triangles, Eigen::Index vertex_count);
 
 }  // namespace encage::io

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/sanitize/nesting.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "cagegen/sanitize/predicates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,24 +11,22 @@
 namespace encage::io {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Part = std::vector<std::int32_t>;
 
-Kernel::Point_2 along_x(const Eigen::Vector3d& p) { return {p[1], p[2]}; }
-Kernel::Point_3 point(const Eigen::Vector3d& p) { return {p[0], p[1], p[2]}; }
+Eigen::Vector2d along_x(const Eigen::Vector3d& p) { return {p[1], p[2]}; }
 
-/// Orientation of (a, b, q) in the yz plane with q moved by (e, e^2), e infinitely small
-/// (Edelsbrunner and Muecke 1990): a ray never meets an edge. 0 if a equals b.
+/// Orientation of (a, b, q) in the yz plane with q moved by (e, e^2), e infinitely small (Edelsbrunner and Muecke
+/// 1990): a ray never meets an edge. 0 if a equals b.
 int side(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& q) {
-  const int sign = CGAL::orientation(along_x(a), along_x(b), along_x(q));
+  const int sign = orientation(along_x(a), along_x(b), along_x(q));
   if (sign != 0) return sign;
   if (a[2] != b[2]) return b[2] < a[2] ? 1 : -1;
   if (a[1] != b[1]) return b[1] > a[1] ? 1 : -1;
   return 0;
 }
 
-/// Tells whether points are inside a closed part, by the parity of the triangles on the
-/// ray towards +x, which are found in a grid over the yz plane.
+/// Tells whether points are inside a closed part, by the parity of the triangles on the ray towards +x, which are found
+/// in a grid over the yz plane.
 class InsideTest {
  public:
   InsideTest(const TriangleMesh& mesh, const Part& part, const Eigen::AlignedBox3d& box)
@@ -54,7 +52,7 @@ class InsideTest {
                             c = mesh_.corner(entries_[i], 2);
       const int turn = side(a, b, q);
       if (turn == 0 || side(b, c, q) != turn || side(c, a, q) != turn) continue;
-      const int above = CGAL::orientation(point(a), point(b), point(c), point(q));
+      const int above = orientation(a, b, c, q);
       if (above == 0) return {};
       if (above == -turn) inside = !inside;
     }

@@ -15,8 +15,8 @@ void turn(Triangles& triangles, std::int32_t t, std::vector<char>& turned) {
   turned[t] ^= 1;
 }
 
-/// Components merged where only several together are closed, as at an edge with four
-/// sides that belong to different components.
+/// Components merged where only several together are closed, as at an edge with four sides that belong to different
+/// components.
 class Bodies {
  public:
   explicit Bodies(std::int32_t components) : parent_(components), open_(components, 0) {

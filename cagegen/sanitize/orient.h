@@ -16,15 +16,13 @@ struct Components {
   std::int32_t count = 0;
 };
 
-/// Turns triangles so that neighbours agree, with the first triangle of each component;
-/// leaves components that agree already and those that cannot (Moebius strips). Toggles
-/// `turned` of every triangle that it turns.
+/// Turns triangles so that neighbours agree, with the first triangle of each component; leaves components that agree
+/// already and those that cannot (Moebius strips). Toggles `turned` of every triangle that it turns.
 Components make_consistent(Triangles& triangles, const EdgeTable& edges, std::vector<char>& turned);
 
-/// Turns closed components so that no point has a negative winding number: a component
-/// inside no other one encloses its volume from outside. Components inside keep their
-/// orientation relative to the one around them, so that cavities stay cavities even if
-/// the whole input is inside out. Toggles `turned`.
+/// Turns closed components so that no point has a negative winding number: a component inside no other one encloses its
+/// volume from outside. Components inside keep their orientation relative to the one around them, so that cavities stay
+/// cavities even if the whole input is inside out. Toggles `turned`.
 void turn_outward(TriangleMesh& mesh, const EdgeTable& edges, const Components& components, std::vector<char>& turned);
 
 }  // namespace encage::io

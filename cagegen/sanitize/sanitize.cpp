@@ -26,8 +26,7 @@ using io::Side;
 constexpr double flat = 1e-9;
 /// Of the triangles that stand for degenerate ones, in diagonals.
 constexpr double sliver_thickness = 1e-6;
-/// float32 holds local coordinates, and cages a few diagonals around them, as normal
-/// numbers with all their bits.
+/// float32 holds local coordinates, and cages a few diagonals around them, as normal numbers with all their bits.
 constexpr double largest_extent = 1e37;
 constexpr double smallest_extent = 1e-30;
 
@@ -218,8 +217,7 @@ std::int64_t count_turned(const io::Components& components, const std::vector<ch
   return std::count(of_component.begin(), of_component.end(), char{1});
 }
 
-/// Makes the orientation consistent and outward, and closes the boundary with caps where
-/// that yields a solid.
+/// Makes the orientation consistent and outward, and closes the boundary with caps where that yields a solid.
 Surface close(TriangleMesh mesh, double diagonal) {
   Surface surface;
   surface.mesh = std::move(mesh);

@@ -22,8 +22,8 @@ std::uint64_t hash(const double* p) {
 
 std::vector<std::int32_t> weld(std::span<const double> coordinates) {
   const std::size_t count = coordinates.size() / 3;
-  // Open addressing; a slot holds the first vertex of its place. The result does not
-  // depend on the hash, only on the order of the vertices.
+  // Open addressing; a slot holds the first vertex at its position. The result does not depend on the hash, only on the
+  // order of the vertices.
   const std::size_t mask = std::bit_ceil(2 * count + 1) - 1;
   std::vector<std::int32_t> slots(mask + 1, -1);
   std::vector<std::int32_t> same(count);

@@ -7,8 +7,8 @@
 
 namespace encage::io {
 
-/// For every vertex the first one with exactly equal coordinates (0 equals -0).
-/// `coordinates` holds x, y, z of all vertices, finite.
+/// For every vertex the first one with exactly equal coordinates (0 equals -0). `coordinates` holds x, y, z of all
+/// vertices, finite.
 std::vector<std::int32_t> weld(std::span<const double> coordinates);
 
 }  // namespace encage::io

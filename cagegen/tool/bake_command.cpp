@@ -2,6 +2,7 @@
 #include "cagegen/cli/interrupt.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/cli/progress.h"
+#include "cagegen/cli/usage.h"
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/bake_options.h"
 #include "cagegen/tool/command.h"
@@ -14,6 +15,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -175,7 +177,7 @@ void add_bake(CLI::App& app, int& status) {
   add_threads(*bake, a->options);
   CLI::Option* time_limit =
       bake->add_option("--time-limit", a->time_limit, "Stop improving after so many seconds; the result may then vary")
-          ->check(between(0, 1e9, "a number of seconds above 0"))
+          ->check(between(0, std::numeric_limits<double>::infinity(), "a number of seconds above 0"))
           ->type_name("S");
   bake->add_flag("--keep-partial", a->options.keep_partial,
                  "If a level cannot be made, write those before it; the exit status is 1");

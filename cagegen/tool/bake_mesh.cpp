@@ -5,8 +5,6 @@
 
 #include <encage/error.h>
 
-#include <sys/resource.h>
-
 #include <array>
 #include <cstddef>
 
@@ -23,8 +21,6 @@ Json to_json(const SanitizeReport& report) {
 }
 
 }  // namespace
-
-TriangleMesh read_mesh(const std::filesystem::path& file) { return triangulate(read_polygon_mesh(file)); }
 
 BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
                     const BakeContext& context) {
@@ -81,15 +77,6 @@ std::string describe(const SanitizeReport& report) {
     text += std::to_string(item.count) + " " + (item.count == 1 ? item.one : item.many);
   }
   return text;
-}
-
-Usage process_usage() {
-  rusage usage = {};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), usage.ru_maxrss * std::int64_t{1024}};
 }
 
 }  // namespace encage::tool

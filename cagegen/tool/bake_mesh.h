@@ -20,25 +20,15 @@ struct BakedMesh {
   BakeReport report;
 };
 
-/// Reads and triangulates. Throws Error naming the file.
-TriangleMesh read_mesh(const std::filesystem::path& file);
-
 /// Sanitizes and bakes; `file` is for the messages. Throws Error or Cancelled.
 BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
                     const BakeContext& context);
 
-/// The keys of the asset (cage_json.h), with the seconds of each level, more about the source and, if a level
-/// failed and those before it were kept, `failure`.
+/// The keys of the asset (cage_json.h), with the seconds of each level, more about the source and, if a level failed
+/// and those before it were kept, `failure`.
 nlohmann::ordered_json to_json(const BakedMesh& baked);
 
 /// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.
 std::string describe(const SanitizeReport& report);
-
-/// What this process has used so far.
-struct Usage {
-  double cpu_seconds = 0;  ///< user and system, all threads
-  std::int64_t peak_rss_bytes = 0;
-};
-Usage process_usage();
 
 }  // namespace encage::tool

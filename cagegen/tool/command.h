@@ -7,9 +7,8 @@
 
 namespace encage::tool {
 
-// Each adds one subcommand. Its callback does the work, writes results to
-// stdout, sets `status`, and throws encage::Error for bad input (run_program()
-// prints it on stderr and returns 2).
+// Each adds one subcommand. Its callback does the work, writes results to stdout, sets `status`, and throws
+// encage::Error for bad input (run_program() prints it on stderr and returns 2).
 void add_bake(CLI::App& app, int& status);
 void add_check(CLI::App& app, int& status);
 void add_info(CLI::App& app, int& status);

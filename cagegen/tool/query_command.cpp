@@ -104,8 +104,8 @@ struct MovingBody {
   Motion motion;
 };
 
-/// The bodies of a step; in continuous mode those that the next step has as well. Throws Error
-/// for a motion that is no motion of a step; `file` names the poses.
+/// The bodies of a step; in continuous mode those that the next step has as well. Throws Error for a motion that is no
+/// motion of a step; `file` names the poses.
 std::vector<MovingBody> bodies_of(const PoseStep& step, const PoseStep* next, const Shape& first, const Shape& others,
                                   std::int32_t first_body, const std::string& file) {
   std::vector<MovingBody> bodies;

@@ -9,25 +9,24 @@
 
 namespace ENCAGE_EXPORT encage {
 
-/// Writes a hierarchy as binary glTF 2.0 with the extension ENCAGE_cages
-/// (docs/asset.md), to a temporary in the same folder, then renames it: an
-/// existing file is replaced whole or left untouched. The bytes depend on the
-/// hierarchy alone. Throws Error.
+/// Writes a hierarchy as binary glTF 2.0 with the extension ENCAGE_cages (docs/asset.md). It writes a temporary file in
+/// the same folder and renames it, so that an existing file is replaced whole or left untouched. The bytes depend only
+/// on the hierarchy and the version of the library. Throws Error, which names the file.
 void write_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy);
 
-/// What a load checks besides the structure, which is always validated.
+/// What a load verifies by hashes. It validates the structure in any case.
 enum class Verify {
-  cages,  ///< hashes of the JSON and of the cage sections
-  all,    ///< every byte of the file, the fine level and padding included
+  cages,  ///< the JSON and the cages; quick, the usual choice
+  all,    ///< every byte of the file, the fine mesh and padding included
 };
 
 /// How a file is used.
 enum class LoadMode {
-  map,   ///< in place: quick, shared with other processes; the file must not be overwritten or truncated meanwhile
-  copy,  ///< read into memory: for files that may change
+  map,   ///< in place: quick, and shared by processes; the file must not be overwritten or truncated meanwhile
+  copy,  ///< from memory: for files that may change
 };
 
-/// Loads a hierarchy. Throws Error naming file, section and reason.
+/// Loads a hierarchy. Throws Error, which names the file, the section and the reason.
 CageHierarchy read_asset(const std::filesystem::path& file, Verify verify = Verify::cages);
 
 }  // namespace encage

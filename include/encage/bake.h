@@ -23,22 +23,22 @@ namespace ENCAGE_EXPORT encage {
 
 // ---- Files ---------------------------------------------------------------
 
-/// Reads OBJ, PLY, STL (both in text and binary), OFF (text) or glTF/GLB, in double
-/// and by the extension. Polygons are kept; OBJ points and lines are ignored. STL
-/// vertices with equal coordinates are shared. Of glTF, all triangles of the default
-/// scene, node transforms applied; skins and morph targets stay in their bind pose.
-/// Throws Error naming file, element (counted from 0), line and reason; refuses
-/// NaN, infinity, indices out of range, truncated files and files without faces.
+/// Reads OBJ, PLY, STL (both in text and binary), OFF (text) or glTF/GLB, in double and by the extension. Polygons are
+/// kept; OBJ points and lines are ignored. STL vertices with equal coordinates are shared. Of glTF, all triangles of
+/// the default scene, node transforms applied; skins and morph targets stay in their bind pose. Throws Error naming
+/// file, element (counted from 0), line and reason; refuses NaN, infinity, indices out of range, truncated files and
+/// files without faces.
 PolygonMesh read_polygon_mesh(const std::filesystem::path& file);
 
-/// Writes OBJ, PLY, STL or OFF by the extension, atomically (a temporary in the
-/// same folder, then a rename). Coordinates round-trip in double where the
-/// format allows. Throws Error.
+/// read_polygon_mesh(), triangulated.
+TriangleMesh read_mesh(const std::filesystem::path& file);
+
+/// Writes OBJ, PLY, STL or OFF by the extension, atomically (a temporary in the same folder, then a rename).
+/// Coordinates round-trip in double where the format allows. Throws Error.
 void write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh);
 
-/// Fans convex polygons, ear-clips others; n corners give n - 2 triangles, in the
-/// order of the polygons. Vertices are not moved or merged. Throws Error for a
-/// polygon with fewer than 3 corners.
+/// Fans convex polygons, ear-clips others; n corners give n - 2 triangles, in the order of the polygons. Vertices are
+/// not moved or merged. Throws Error for a polygon with fewer than 3 corners.
 TriangleMesh triangulate(const PolygonMesh& polygons);
 
 // ---- Sanitize ------------------------------------------------------------
@@ -55,22 +55,20 @@ struct SanitizeReport {
 /// A source made fit for baking. Nothing that was read is moved.
 struct SourceMesh {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< input vertex = origin + vertex, exactly
-  /// What a cage must enclose, local frame: the points of all triangles as read, then
-  /// the caps. Welded, oriented as `clean`, duplicates dropped; degenerate triangles
-  /// are kept, those that hang on to the surface as the segment (a, b, b) that they
-  /// are. is_closed() holds unless `solid` is surface_only. Every vertex is used.
+  /// What a cage must enclose, local frame: the points of all triangles as read, then the caps. Welded, oriented as
+  /// `clean`, duplicates dropped; degenerate triangles are kept, those that hang on to the surface as the segment (a,
+  /// b, b) that they are. is_closed() holds unless `solid` is surface_only. Every vertex is used.
   TriangleMesh obstacle;
   std::int64_t cap_count = 0;  ///< the last triangles of `obstacle`
-  /// The same surface for the makers, without degenerate triangles, caps included: a
-  /// degenerate triangle in a seam is flipped away (the same points), another one is
-  /// replaced by thin valid ones that contain it. Closed components are oriented
-  /// outward (cavities inward).
+  /// The same surface for the makers, without degenerate triangles, caps included: a degenerate triangle in a seam is
+  /// flipped away (the same points), another one is replaced by thin valid ones that contain it. Closed components are
+  /// oriented outward (cavities inward).
   TriangleMesh clean;
-  /// `clean` is a closed, consistently oriented 2-manifold: every edge has exactly two
-  /// triangles, every vertex one fan. It may intersect itself.
+  /// `clean` is a closed, consistently oriented 2-manifold: every edge has exactly two triangles, every vertex one fan.
+  /// It may intersect itself.
   bool manifold = false;
-  /// capped only if the caps enclose a volume. Flat sheets, and surfaces with an edge
-  /// of several triangles that do not cancel, are surface_only and get no caps.
+  /// capped only if the caps enclose a volume. Flat sheets, and surfaces with an edge of several triangles that do not
+  /// cancel, are surface_only and get no caps.
   Solid solid = Solid::closed;
   double volume = 0;    ///< of the solid, > 0; 0 for surface_only
   double diagonal = 0;  ///< of the bounds, > 0
@@ -78,11 +76,10 @@ struct SourceMesh {
   SanitizeReport report;
 };
 
-/// Two triangles on the same vertices with opposite orientation are duplicates as well
-/// (the first stays), unless the surface is closed only with both of them.
-/// Throws Error for meshes without triangles, non-finite coordinates, indices out of
-/// range, meshes in a single point, and an extent above 1e37 or below 1e-30, which
-/// float32 cannot hold. Takes linear time but for unusual holes.
+/// Two triangles on the same vertices with opposite orientation are duplicates as well (the first stays), unless the
+/// surface is closed only with both of them. Throws Error for meshes without triangles, non-finite coordinates, indices
+/// out of range, meshes in a single point, and an extent above 1e37 or below 1e-30, which float32 cannot hold. Takes
+/// linear time but for unusual holes.
 SourceMesh sanitize(const TriangleMesh& input);
 
 // ---- Certificate ---------------------------------------------------------
@@ -94,15 +91,13 @@ struct CertifyResult {
   Certificate certificate;  ///< method, start and volume_ratio are left to the caller
 };
 
-/// Proves, with exact predicates, that `cage` is a closed, oriented 2-manifold
-/// without self-intersection, that no triangle of it touches one of `inner`
-/// (closed test; degenerate inner triangles count as segments or points) and
-/// that every component of `inner` lies inside. `inner_solid` says whether
-/// inner's interior has to be inside too (cavities of the cage must not lie in
-/// it). The clearance is never above the distance of the surfaces, and below it
-/// by no more than a millionth, and rounding of 2^-45 of the triangles' size. Meshes are taken as they are: what they
-/// need not be is refused with a reason, never thrown. One thread, re-entrant; about 0.6 us a triangle of `inner`.
-/// Shares no geometry code with the makers beyond CGAL. docs/certificate.md says how it is proven.
+/// Proves, with exact predicates, that `cage` is a closed, oriented 2-manifold without self-intersection, that no
+/// triangle of it touches one of `inner` (closed test; degenerate inner triangles count as segments or points) and that
+/// every component of `inner` lies inside. `inner_solid` says whether inner's interior has to be inside too (cavities
+/// of the cage must not lie in it). The clearance is never above the distance of the surfaces, and below it by no more
+/// than a millionth, and rounding of 2^-45 of the triangles' size. Meshes are taken as they are: what they need not be
+/// is refused with a reason, never thrown. One thread, re-entrant; about 0.6 us a triangle of `inner`. Shares no
+/// geometry code with the makers beyond CGAL. docs/certificate.md says how it is proven.
 CertifyResult certify(const TriangleMesh& inner, Solid inner_solid, const TriangleMesh& cage);
 
 enum class CheckVerdict {
@@ -113,7 +108,7 @@ enum class CheckVerdict {
 
 const char* name(CheckVerdict verdict) noexcept;
 
-/// What came of checking an asset again.
+/// The result of check_asset().
 struct CheckReport {
   struct Check {
     std::string subject;  ///< e.g. "level 2 nesting"
@@ -125,56 +120,56 @@ struct CheckReport {
   bool holds() const;  ///< every check does
 };
 
-/// Proves every level of a hierarchy again, around the next finer one, and compares
-/// the stored certificates. Level 1 is proven around `source` if it is given, which is
-/// also compared with what the hierarchy says of it. Without, `hierarchy.fine` stands
-/// in: it lies within fine_error of the source, hence a clearance above fine_error
-/// carries over; if it is smaller, or no fine mesh is stored, level 1 is unproven.
+/// Proves every level of a hierarchy again, around the next finer one, and compares the stored certificates. Level 1 is
+/// proven around `source` if it is given, which is also compared with what the hierarchy says of it. Without,
+/// `hierarchy.fine` stands in: it lies within fine_error of the source, hence a clearance above fine_error carries
+/// over; if it is smaller, or no fine mesh is stored, level 1 is unproven.
 CheckReport check_asset(const CageHierarchy& hierarchy, const SourceMesh* source = nullptr);
 
 // ---- Bake ----------------------------------------------------------------
 
 enum class BakeMethod { automatic, collapse, flow };
 enum class Topology { any, keep, simplify };
-/// How F goes back to its place in the re-inflation: in a straight line, or along the flow's history as in the paper.
+/// How the re-inflation moves F back home: in a straight line, or along the flow's history as in the paper.
 enum class FlowPath { straight, history };
 
 struct BakeOptions {
-  /// Triangles per level, fine to coarse. Empty: `ratio` and `level_count`; if
-  /// these are unset as well, a choice that suits the input's size.
+  /// Triangles per level, fine to coarse, at least 4. Empty: `ratio` and `level_count` decide; if these are unset as
+  /// well, Encage chooses by the input's size.
   std::vector<std::int64_t> faces;
   std::optional<double> ratio;  ///< faces of a level / faces of the one before, in (0,1)
   std::optional<int> level_count;
   BakeMethod method = BakeMethod::automatic;
-  /// any: whatever is tightest; keep: the genus of the source; simplify: prefer fewer handles.
+  /// any takes what is tightest; keep keeps the genus of the source; simplify prefers fewer handles.
   Topology topology = Topology::any;
-  /// Of the flow, hence not for the method collapse. Empty: regular, then adaptive, and alpha wraps where they fail.
+  /// Makes the coarse meshes of the flow; excludes the method collapse. Empty: regular, then adaptive, and alpha wraps
+  /// where both fail.
   Decimator decimator;
-  std::string decimator_name;  ///< recorded in the asset: "regular", "adaptive" or a name of yours
-  /// Of the flow: coarse meshes made by the user, fine to coarse, in the source's frame, in place of decimations;
-  /// closed, oriented, manifold, free of self-intersection. Excludes `faces`, `ratio`, `level_count`, `decimator`
-  /// and the method collapse.
+  std::string decimator_name;  ///< the name that the asset records: "regular", "adaptive" or one of yours
+  /// Coarse meshes of yours for the flow instead of decimations, fine to coarse, in the source's frame; closed,
+  /// oriented, manifold and free of self-intersection. Excludes `faces`, `ratio`, `level_count`, `decimator` and the
+  /// method collapse.
   std::vector<TriangleMesh> coarse;
-  std::vector<std::string> coarse_names;  ///< of `coarse`, for messages; may be empty
-  /// Of the flow, hence not for the method collapse.
-  EnergyPtr energy_inflate;  ///< minimised while F goes back to its place; null: step_energy()
+  std::vector<std::string> coarse_names;  ///< names of `coarse` in messages; may be empty
+  /// Energies of the flow; they exclude the method collapse.
+  EnergyPtr energy_inflate;  ///< minimised while F moves back home; null: step_energy()
   EnergyPtr energy_final;    ///< minimised afterwards; null: volume_energy()
   FlowPath path = FlowPath::straight;
   bool keep_partial = false;  ///< if a level fails, return the levels made before it (at least one) instead of throwing
   double min_clearance = 1e-5;       ///< distance between consecutive surfaces, in diagonals of the source
   int threads = 0;                   ///< 0: all; never changes the result
-  std::optional<double> time_limit;  ///< seconds; the only option that may make results vary
+  std::optional<double> time_limit;  ///< seconds, above 0; the only option that may make results vary
   bool keep_fine = true;             ///< store level 0 in the hierarchy
 };
 
-/// Progress, cancellation and messages. The functions are called from the
-/// thread that called bake(), at least ten times a second.
+/// Progress, cancellation and messages. The functions are called from the thread that called bake(), at least ten times
+/// a second.
 struct BakeContext {
   /// fraction in [0,1] of the whole job, and what is being done now.
   std::function<void(double fraction, std::string_view stage)> progress;
   std::function<void(std::string_view message)> log;
-  /// Set from any thread or a signal handler; noticed within about a
-  /// second, or when a running alpha wrap (seconds, on large inputs) ends.
+  /// Set from any thread or a signal handler; noticed within about a second, or when a running alpha wrap (seconds, on
+  /// large inputs) ends.
   std::atomic<bool>* cancel = nullptr;
 };
 
@@ -185,17 +180,20 @@ struct BakeReport {
     double flow_seconds = 0;       ///< 0 if the level was made by collapse
     double reinflate_seconds = 0;  ///< with the final minimisation
   };
-  std::vector<Level> levels;  ///< of the hierarchy returned
+  std::vector<Level> levels;  ///< one for each level of the hierarchy returned
   double seconds = 0;
   std::string failure;  ///< with keep_partial: the level that failed and why; else empty
 };
 
-/// Nested, certified cages around `source`. Levels with as many faces as the
-/// one before are skipped with a log message; a source too small for every
-/// level gets its hull. Throws Error or Cancelled.
+/// Nested, certified cages around `source`. Levels with as many faces as the one before are skipped with a log message;
+/// a source too small for every level gets its hull. Throws Error or Cancelled.
 CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const BakeContext& context,
                    BakeReport* report = nullptr);
 CageHierarchy bake(const TriangleMesh& input, const BakeOptions& options, const BakeContext& context = {},
                    BakeReport* report = nullptr);
+
+/// write_asset(), but the file is read back before it takes its name: what was certified is what stands in the file,
+/// bit by bit. Throws Error naming the file, and then leaves an older file of that name, and no temporary.
+void write_certified_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy);
 
 }  // namespace encage

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Run time: how far apart are two bodies? Certified bounds, from cages or from the fine meshes.
+// Certified bounds of the distance between two bodies, from cages or from the fine meshes.
 
 #include <encage/export.h>
 #include <encage/separated.h>
@@ -14,53 +14,54 @@
 namespace ENCAGE_EXPORT encage {
 
 struct CageDistanceOptions {
-  /// World units: the bound is not followed beyond this. Small values make the query cheap.
+  /// World units, > 0, usually infinite. The query stops as soon as its bound reaches this; small values make it fast.
   double enough = std::numeric_limits<double>::infinity();
-  /// >= 0: the distance of the cages may be underestimated by this part of it, which saves time.
+  /// >= 0, usually 0.01. The query may underestimate the distance of the cages by this fraction, which saves time.
   double tolerance = 0.01;
-  /// Cages are asked from coarse to fine until the bound is `enough`; by default only the coarsest, which is the
-  /// quickest and the loosest.
+  /// The query tests cages from coarse to fine until the bound reaches `enough`. By default it tests only the coarsest
+  /// level, which is the fastest and the loosest. Level 0 is the finest.
   int finest_cage = std::numeric_limits<int>::max();
   int coarsest_cage = std::numeric_limits<int>::max();
 };
 
-/// Lower bound, in world units, of the distance of two bodies at the start of their motions: never larger than the
-/// distance, rounding included; at most `enough`. It is that of the cages, or of balls around the bodies if that is
-/// larger; 0 where bodies may touch or hold each other. With different numbers of levels, level k is paired as
-/// separated() does. 0 if a start is not usable. Of compounds all parts are asked about. Re-entrant; never throws,
-/// never allocates.
+/// Returns a lower bound, in world units, of the distance between two bodies at the start of their motions: never
+/// larger than the distance, rounding included, and at most `enough`. It comes from the cages, or from bounding balls
+/// of the bodies where these give more. It is 0 where the bodies may touch or one may contain the other, and where a
+/// start pose is not usable. Levels are paired as in separated(). For compounds it is the minimum over all pairs of
+/// parts. Re-entrant; never throws, never allocates, except that a ShapeCache may have to read a fine mesh.
 double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                            const CageDistanceOptions& options = {}) noexcept;
 
 struct DistanceOptions {
-  /// World units: larger distances are not asked for.
+  /// World units, > 0, usually infinite. The query does not look for larger distances.
   double limit = std::numeric_limits<double>::infinity();
-  /// >= 0: the bounds may differ by this part of the distance, which saves time.
+  /// >= 0, usually 0.01. The bounds may differ by this fraction of the distance, which saves time.
   double tolerance = 0;
-  /// Triangles of the fine meshes that may be near each other, e.g. what the same query answered before: saves time,
-  /// and decides between pairs that are equally near. Ignored where out of range.
+  /// Triangles of the fine meshes that may be near each other, e.g. the result of the step before. A good hint saves
+  /// time, and it decides between pairs that are equally near. The query ignores a hint that is out of range.
   TrianglePair hint = {-1, -1};
 };
 
 struct DistanceResult {
-  /// World units: lower <= distance <= upper. Both 0 if the bodies are proven to touch, or one to hold a part of the
-  /// other. Without tolerance they differ by rounding, some 1e-14 of the sizes of both bodies, their local origins and
-  /// the difference of their translations, and by what the fine meshes are off their sources
-  /// (CageHierarchy::fine_error, twice for both bodies). More only next to degenerate triangles, and where `lower` is 0
-  /// because an unknown interior may hold the other body (Solid::surface_only). `upper` is infinite if the distance is
-  /// not below the limit.
+  /// World units: lower <= distance <= upper. Both are 0 if it is proven that the bodies touch or that one contains a
+  /// part of the other. Without tolerance they differ by rounding (some 1e-14 of the sizes of both bodies, their local
+  /// origins and the difference of their translations) and by twice the CageHierarchy::fine_error of both bodies. They
+  /// differ by more only next to degenerate triangles, and where `lower` is 0 because an unknown interior
+  /// (Solid::surface_only) may contain the other body. `upper` is infinite if the distance is not below the limit.
   double lower = 0;
   double upper = std::numeric_limits<double>::infinity();
-  /// World; points of the fine meshes that are `upper` apart or less. Equal if one body holds a part of the other.
+  /// Points of the fine meshes, in world coordinates, that are at most `upper` apart. They are equal if one body
+  /// contains a part of the other.
   Eigen::Vector3d point_a = Eigen::Vector3d::Zero(), point_b = Eigen::Vector3d::Zero();
-  /// Fine triangles that have the points, as CageHierarchy::fine counts them; -1 where the point is inside the body, or
-  /// the distance is not below the limit.
+  /// The fine triangles that contain these points, numbered as in CageHierarchy::fine; -1 where the point is inside the
+  /// body or the distance is not below the limit.
   std::int32_t triangle_a = -1, triangle_b = -1;
 };
 
-/// Distance of two bodies at the start of their motions: of the solids of closed and capped bodies, of the surfaces of
-/// others. If one of them has no fine mesh, `lower` is that of their finest cages and `upper` infinite; if a start
-/// is not usable, 0 and infinite. Re-entrant; never throws, never allocates.
+/// Computes the distance between two bodies at the start of their motions: between the solids of closed and capped
+/// bodies, and the surfaces of others. If one of them has no fine mesh, `lower` comes from their finest cages and
+/// `upper` is infinite. If a start pose is not usable, they are 0 and infinite. Re-entrant; never throws, never
+/// allocates, except that a ShapeCache may have to read a fine mesh.
 DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                         const DistanceOptions& options = {}) noexcept;
 

@@ -3,7 +3,7 @@
 
 // Early reject for FCL's broad-phase managers. Link encage::fcl.
 //
-//   auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();  // of the mesh that the asset was baked of
+//   auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();  // of the mesh that the asset was baked from
 //   encage::FclShapes shapes;
 //   shapes.attach(model, encage::load_shape("octopus.glb"));       // once, for all objects of this geometry
 //   fcl::CollisionObjectd first(model), second(model);             // registered with a manager, and moved
@@ -30,16 +30,16 @@
 
 namespace ENCAGE_EXPORT encage {
 
-/// Which geometries of FCL are bodies of which shapes. In double: poses in float are farther from rigid than Encage
-/// takes. User data of objects and geometries stay the user's. Queries may share it in any number of threads as long as
-/// nobody attaches or detaches.
+/// Which geometries of FCL are bodies of which shapes. Geometries must be in double: poses in float are farther from
+/// rigid than Encage takes. User data of objects and geometries stay yours. Any number of threads may query at a time,
+/// as long as none attaches or detaches.
 class FclShapes {
  public:
-  /// Objects of `geometry` are from now on bodies of the shape at `scale` times its size; replaces what was attached.
-  /// The geometry's own coordinates have to be the body frame's, times the scale, and have to stay: detach before
-  /// changing a BVHModel. Both are kept alive. Calls computeLocalAABB(), as CollisionObject does. Throws Error, without
-  /// effect: no geometry, no shape, a scale not between 1e-50 and 1e50, or a geometry that is not within the bounding
-  /// box of the shape, and so not of its mesh.
+  /// Makes all objects of `geometry` bodies of the shape at `scale` times its size, in place of what was attached. The
+  /// geometry's coordinates must be the body frame's times the scale, and must not change: detach before you change a
+  /// BVHModel. Keeps both alive. Calls computeLocalAABB(), as CollisionObject does. Throws Error, without effect, for a
+  /// null geometry or shape, a scale not between 1e-50 and 1e50, and a geometry that is not within the bounding box of
+  /// the shape, and so is not of its mesh.
   void attach(const std::shared_ptr<::fcl::CollisionGeometryd>& geometry, ShapePtr shape, double scale = 1);
   void detach(const ::fcl::CollisionGeometryd* geometry) noexcept;
 
@@ -61,22 +61,23 @@ class FclShapes {
 };
 
 struct FclStatistics {
-  std::int64_t asked = 0;     ///< pairs of which both shapes are known
+  std::int64_t asked = 0;     ///< pairs whose shapes are both known
   std::int64_t rejected = 0;  ///< of these, kept from the user's callback
 };
 
-/// Stands in front of a callback for BroadPhaseCollisionManager::collide(): a pair that is proven apart does not reach
-/// it, and the search goes on; all others do, as ever. What FCL would compute of such a pair is no contact: its meshes
-/// are surfaces, their contacts have no margin. One object for each query that runs at the same time; it allocates
-/// nothing.
+/// Stands in front of a callback for BroadPhaseCollisionManager::collide(). A pair that is proven apart does not reach
+/// the callback, and the search goes on; all other pairs do. FCL would find no contact in a rejected pair: its meshes
+/// are surfaces, and their contacts have no margin. Use one object for each query that runs at the same time. It
+/// allocates nothing.
 class FclCollision {
  public:
-  /// `shapes` and what `data` points to must outlive this. options.margin: for callbacks that want more than contacts,
-  /// pairs at most so far apart are kept.
+  /// `shapes` and what `data` points to must outlive this. Pairs at most `options.margin` apart reach the callback: for
+  /// callbacks that want more than contacts.
   FclCollision(const FclShapes& shapes, ::fcl::CollisionCallBack<double> user, void* data,
                const PairOptions& options = {});
 
-  /// For the manager, with the address of an FclCollision as its data. What the user's callback throws passes through.
+  /// Pass this to the manager, with the address of an FclCollision as data. What the user's callback throws passes
+  /// through.
   static bool callback(::fcl::CollisionObjectd* a, ::fcl::CollisionObjectd* b, void* collision);
 
   const FclStatistics& statistics() const { return statistics_; }
@@ -90,16 +91,16 @@ class FclCollision {
 };
 
 struct FclDistanceOptions {
-  /// Cages are asked first, from coarse to fine; `enough` is the least distance so far.
+  /// How cages are asked, first and from coarse to fine. `enough` is ignored: it is the least distance so far.
   CageDistanceOptions cages{.finest_cage = 0};
-  /// Whether the fine meshes are asked where cages prove too little, by distance().
+  /// Whether distance() asks the fine meshes where cages prove too little.
   bool fine = true;
 };
 
-/// Stands in front of a callback for BroadPhaseCollisionManager::distance(): a pair that is proven no nearer than the
-/// least distance so far (the callback's last argument) does not reach it, and the search goes on. So it is for
-/// callbacks that look for the least distance, up to FCL's own rounding the same one, and not for such that want to
-/// see every pair. Otherwise as FclCollision.
+/// Stands in front of a callback for BroadPhaseCollisionManager::distance(). A pair that is proven no nearer than the
+/// least distance so far (the callback's last argument) does not reach the callback, and the search goes on. So it is
+/// for callbacks that look for the least distance, which stays the same up to FCL's own rounding, and not for callbacks
+/// that want to see every pair. Otherwise as FclCollision.
 class FclDistance {
  public:
   FclDistance(const FclShapes& shapes, ::fcl::DistanceCallBack<double> user, void* data,

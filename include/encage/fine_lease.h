@@ -10,14 +10,14 @@ namespace ENCAGE_EXPORT encage {
 class Shape;
 class OnDemandMesh;
 
-/// Keeps the fine mesh of a shape of a ShapeCache in memory while it lives. Queries take their own; hold one where a
-/// mesh must not be evicted between queries, or to have it read ahead of them. Of a compound, take its parts; for other
-/// shapes there is nothing to do.
-/// The shape must outlive it. A lease may be passed to another thread; any number of leases per shape.
+/// Keeps the fine mesh of a shape of a ShapeCache in memory as long as the lease lives. Queries take leases of their
+/// own; take one where a mesh must not be evicted between queries, or to read it before they start. For a compound,
+/// take leases of its parts; a lease of a shape that belongs to no cache does nothing. The shape must outlive the
+/// lease. A shape may have any number of leases, and a lease may be passed to another thread.
 class FineLease {
  public:
   FineLease() = default;
-  /// Throws Error, naming the file, if the mesh can not be read or is damaged.
+  /// Throws Error, which names the file, if the mesh cannot be read or is damaged.
   explicit FineLease(const Shape& shape);
   ~FineLease() { release(); }
   FineLease(FineLease&& other) noexcept : mesh_(std::exchange(other.mesh_, nullptr)) {}
@@ -26,7 +26,8 @@ class FineLease {
     return *this;
   }
 
-  /// Takes the mesh of `shape`, unless this has one: then it must be the same. False in place of an Error.
+  /// Takes the mesh of `shape`. A lease that has a mesh already must have this one. Returns false where the constructor
+  /// would throw.
   bool take(const Shape& shape) noexcept;
 
  private:

@@ -23,11 +23,11 @@ struct PoseStep {
   std::vector<BodyPose> bodies;
 };
 
-/// Reads a pose file: CSV, header `step,body,x,y,z,qx,qy,qz,qw`, rows sorted by
-/// step, then body. Quaternions are normalised if within 1e-6 of unit length.
-/// Throws Error naming file, line and reason.
+/// Reads a pose file: CSV with the header `step,body,x,y,z,qx,qy,qz,qw` and rows sorted by step, then body. Quaternions
+/// must be within 1e-6 of unit length and are normalised. Throws Error, which names the file, the line and the reason.
 std::vector<PoseStep> read_poses(const std::filesystem::path& file);
 
+/// Writes such a file, whole or not at all. Throws Error, which names the file.
 void write_poses(const std::filesystem::path& file, const std::vector<PoseStep>& steps);
 
 }  // namespace encage

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Run time: more assets than memory has room for.
+// A cache for more assets than fit in memory.
 
 #include <encage/asset.h>
 #include <encage/export.h>
@@ -17,53 +17,56 @@ namespace ENCAGE_EXPORT encage {
 class MeshBudget;
 
 struct ShapeCacheOptions {
-  /// Memory for fine meshes with their trees, as they lie in the files, > 0. Cages are not counted.
+  /// Bytes, > 0, usually a fraction of the machine's memory. Limits the memory of the fine meshes and their trees, at
+  /// their size in the files. Cages do not count.
   std::int64_t budget_bytes = 0;
-  /// map: fine meshes are used in place. They count as memory while they are resident, although the system could take
-  /// pages of files back at any time. copy: they are read into memory of the process, again and with their hashes
-  /// verified each time.
+  /// map: queries use fine meshes in place. They count as memory while they are resident, although the system may
+  /// reclaim pages of files at any time. copy: each miss reads the mesh into memory of the process and verifies its
+  /// hashes.
   LoadMode mode = LoadMode::map;
 };
 
 struct ShapeCacheStatistics {
-  std::int64_t resident_bytes = 0;  ///< fine meshes in memory
-  std::int64_t peak_bytes = 0;      ///< the most that resident_bytes has been
-  std::int64_t resident_meshes = 0;
-  std::int64_t faults = 0;     ///< fine meshes that were brought into memory, each time counted
-  std::int64_t evictions = 0;  ///< that were taken out of it
+  std::int64_t resident_bytes = 0;   ///< bytes of the fine meshes in memory now
+  std::int64_t peak_bytes = 0;       ///< largest resident_bytes so far
+  std::int64_t resident_meshes = 0;  ///< fine meshes in memory now
+  std::int64_t faults = 0;           ///< number of times that a fine mesh was brought into memory
+  std::int64_t evictions = 0;        ///< number of times that one was evicted
 };
 
-/// Loads shapes of which only the cages stay in memory; a fine mesh comes when a query needs it, and the least
-/// recently used ones that no query looks at go where room is needed. Shapes behave as those of load_shape(), with
-/// these differences:
+/// Loads shapes whose cages stay in memory. A fine mesh is loaded when a query needs it; where room is needed, the
+/// least recently used meshes that no query is reading are evicted. Shapes behave as those of load_shape(), with these
+/// differences:
 ///
-/// * CageUse::automatic asks cages first, whatever is in memory: so a fine mesh is needed for pairs that survive their
-///   cages only. (If a body is `surface_only`, also where cages are apart but its box may hold parts of the other.)
-///   Answers do not depend on what is in memory.
-/// * world_box() and arc_margin() bound the finest cage in place of the fine mesh.
-/// * A query that finds its fine mesh missing takes a lock, reads the file and allocates memory. If it cannot,
-///   separated() answers "maybe" and the others throw Error, which names the file.
+/// * CageUse::automatic tests cages first, whether a mesh is in memory or not. So only pairs that survive their cages
+///   need a fine mesh. (If a body is `surface_only`, so do pairs whose cages are separated but whose box may contain
+///   parts of the other body.) Answers do not depend on what is in memory.
+/// * world_box() and arc_margin() bound the finest cage instead of the fine mesh.
+/// * A query whose fine mesh is not in memory takes a lock, reads the file and allocates memory. If that fails,
+///   separated() answers "maybe", distance() answers as for a shape without a fine mesh, and the others throw Error,
+///   which names the file.
 ///
-/// Whenever no query runs and no FineLease lives, resident_bytes is within the budget; so it is while one thread
-/// asks one pair at a time. Each further thread may add a pair.
+/// resident_bytes is within the budget whenever no query runs and no FineLease lives, and while one thread queries one
+/// pair at a time. Each further thread may exceed the budget by one pair.
 ///
-/// Thread safe, as are its shapes, which may outlive it. With LoadMode::map files must not be overwritten or truncated
-/// while shapes live (replaced or removed they may be); with LoadMode::copy a file that is not as it was loaded makes a
-/// query fail as said above.
+/// A cache and its shapes are thread safe; shapes may outlive their cache. With LoadMode::map, files must not be
+/// overwritten or truncated while shapes live (they may be replaced or removed). With LoadMode::copy, a query fails as
+/// described above if the file has changed since it was loaded.
 class ShapeCache {
  public:
-  /// Throws Error for a budget that is not positive.
+  /// Throws Error if the budget is not positive.
   explicit ShapeCache(const ShapeCacheOptions& options);
 
-  /// Loads the cages. Every call makes a shape of its own: load a file once. For assets from before trees were
-  /// stored, the cages' trees are built now and the fine mesh's whenever it comes. Throws Error naming file, section
-  /// and reason; also if the fine mesh, together with the largest one that is loaded, exceeds the budget: a query may
-  /// need both at once. Where its tree has to be built, that is asked again when it comes.
+  /// Loads the cages. Every call makes a new shape, so load a file once. For assets of versions that stored no trees,
+  /// the cages' trees are built now, and the fine mesh's tree each time it is loaded. Throws Error, which names the
+  /// file, the section and the reason; also if the fine mesh and the largest one loaded so far exceed the budget
+  /// together, since a query may need both at once. Where a tree has to be built, this is checked again when the mesh
+  /// is loaded.
   ShapePtr load(const std::filesystem::path& file, const ShapeOptions& options = {});
 
-  ShapeCacheStatistics statistics() const;
+  ShapeCacheStatistics statistics() const;  ///< counted since the cache was made
 
-  /// Evicts every fine mesh that no query looks at.
+  /// Evicts every fine mesh that no query is reading.
   void clear() noexcept;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Searches on the threads of oneTBB. Header only: who includes it links TBB::tbb, the library does not.
+// Searches on the threads of oneTBB. This header is all there is: link TBB::tbb where you include it.
 
 #include <encage/executor.h>
 #include <encage/export.h>
@@ -13,10 +13,10 @@
 
 namespace ENCAGE_EXPORT encage {
 
-/// In the arena of the thread that searches. By default as many tasks as that arena has threads.
+/// Runs tasks in the arena of the thread that searches; by default as many as that arena has threads.
 inline Executor tbb_executor(int threads = oneapi::tbb::this_task_arena::max_concurrency()) {
   return {threads, [](int count, TaskRef task) {
-            // Isolated: a thread that waits for the last tasks takes no other work, which might search the same world.
+            // A thread that waits for the last tasks must take no other work, which might search the same world.
             oneapi::tbb::this_task_arena::isolate([&] {
               oneapi::tbb::parallel_for(
                   oneapi::tbb::blocked_range<int>(0, count, 1),
@@ -28,7 +28,7 @@ inline Executor tbb_executor(int threads = oneapi::tbb::this_task_arena::max_con
           }};
 }
 
-/// In an arena, which has to outlive the executor.
+/// Runs tasks in an arena, which has to outlive the executor.
 inline Executor tbb_executor(oneapi::tbb::task_arena& arena) {
   const Executor inside = tbb_executor(arena.max_concurrency());
   return {inside.threads,

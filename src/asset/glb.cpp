@@ -28,7 +28,7 @@ void append(std::string& bytes, std::uint32_t value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// Data of the chunk whose header is at `offset`.
+/// Returns the data of the chunk whose header is at `offset`.
 std::span<const std::byte> chunk(std::span<const std::byte> bytes, std::size_t offset, std::uint32_t type,
                                  const std::string& where) {
   if (bytes.size() - offset < chunk_header_size) throw Error(where + ": missing: the file ends before it");

@@ -16,10 +16,10 @@ namespace {
 constexpr std::array<char, 4> index_magic = {'E', 'N', 'C', 'I'};
 constexpr std::uint16_t index_version = 1;
 
-/// The last bytes of the index, as they lie in the file; before them the arrays, mesh after mesh.
+/// The last bytes of the index as stored in the file. The arrays precede it, mesh after mesh.
 struct Trailer {
   std::array<char, 4> magic = index_magic;
-  std::uint32_t file_size = 0;  ///< of the whole asset: what is appended or cut off makes it another file
+  std::uint32_t file_size = 0;  ///< bytes of the whole asset; a file that was extended or truncated has another size
   std::uint16_t version = index_version;
   std::uint8_t solid = 0;
   std::uint8_t has_fine = 0;
@@ -27,7 +27,7 @@ struct Trailer {
   std::uint16_t asset = asset_version;
   std::array<double, 3> origin = {};
   double fine_error = 0;
-  Hash hash;  ///< of the index up to here
+  Hash hash;  ///< hash of the index up to here
 };
 static_assert(sizeof(Trailer) == 64 && sizeof(Hash) == 16);
 static_assert(sizeof(AssetIndex::Mesh) == 144);

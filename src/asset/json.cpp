@@ -9,10 +9,7 @@
 
 namespace encage {
 
-namespace {
-
-/// Of brackets outside strings; of text that is JSON, how deep it is nested.
-int depth_of(std::string_view text) {
+int json_depth(std::string_view text) {
   int depth = 0, most = 0;
   bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -30,11 +27,10 @@ int depth_of(std::string_view text) {
   return most;
 }
 
-}  // namespace
-
 nlohmann::json parse_json(std::string_view text, const std::string& place) {
-  // Before parsing, which is a third dearer with a callback. Printing is recursive.
-  if (depth_of(text) > 65) throw Error(place + ": nested too deeply");
+  // The depth is tested before parsing, since a parser callback would make parsing a third slower. The limit is needed
+  // because printing is recursive.
+  if (json_depth(text) > max_json_depth + 1) throw Error(place + ": nested too deeply");
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& e) {

@@ -39,7 +39,7 @@ void check_description(const CageHierarchy& hierarchy, const std::string& file) 
     const Certificate& certificate = hierarchy.levels[i].certificate;
     check_certificate(certificate, file + ": " + cage_name(i));
     if (i == 0) continue;
-    // Nested cages grow; the slack is far above the rounding of the volumes.
+    // Nested cages increase in volume; the slack is far above the rounding of the volumes.
     const double before = hierarchy.levels[i - 1].certificate.volume;
     require(certificate.volume >= before * (1 - 1e-9), file + ": " + cage_name(i),
             "its volume is smaller than that of the cage before: levels must go from fine to coarse");

@@ -70,7 +70,7 @@ CageHierarchy read_description(const JsonNode& extension) {
   return h;
 }
 
-/// Before anything else is believed: another version may differ in all but this.
+/// The version is checked before anything else is read, because everything else may differ between versions.
 JsonNode find_extension(const JsonNode& root) {
   const auto extensions = root.find("extensions");
   const auto extension = extensions ? extensions->find(asset_extension) : std::nullopt;
@@ -96,7 +96,7 @@ void check_seal(const Glb& glb, std::span<const std::byte> bytes, Verify verify,
   }
 }
 
-/// What is read first: the index, if it is not very long, and the seal.
+/// Returns the bytes that are read first: the seal, and the index unless it is very long.
 std::span<const std::byte> last_part(std::span<const std::byte> bytes) {
   constexpr std::size_t likely_index = 4096;
   static_assert(likely_index >= seal_size);
@@ -174,7 +174,7 @@ class AssetView::Parser {
     return found;
   }
 
-  /// The section with the accessor's buffer view: triangles and vertices are 12 bytes each.
+  /// Returns the section of the accessor's buffer view. Triangles and vertices both have 12 bytes.
   const AssetSection& section_of(const JsonNode& accessor, SectionKind kind,
                                  const std::vector<AssetSection>& sections) const {
     const JsonNode view = accessor.at("bufferView");
@@ -223,7 +223,7 @@ void AssetView::read(std::span<const std::byte> bytes, Verify verify, AssetParts
   summary_ = {description_->origin, description_->solid, description_->fine_error};
 }
 
-/// Everything before the BIN data, as far as it is in the file: in one read where that is small.
+/// Reads everything before the BIN data, in one read where it is small.
 void AssetView::fetch_head() {
   constexpr std::size_t likely_head = 8192;
   static_assert(likely_head >= glb_start);
@@ -233,7 +233,8 @@ void AssetView::fetch_head() {
   if (const std::size_t size = glb_head_size(all); size > likely_head) fetch_first(size);
 }
 
-/// From the first section of kind `cage` on; in files that we write that is all of them.
+/// Reads everything from the first section of kind `cage` on; in files that this library writes, these are all such
+/// sections.
 void AssetView::fetch_cages() {
   const auto first = std::find_if(sections_.begin(), sections_.end(),
                                   [](const AssetSection& section) { return section.kind == SectionKind::cage; });
@@ -241,11 +242,11 @@ void AssetView::fetch_cages() {
   if (first != sections_.end() && first->bytes.data() < fetched) image_.fetch({first->bytes.data(), fetched});
 }
 
-/// Sections and meshes as the index says, if there is one.
+/// Reads sections and meshes from the index. Returns false if there is none.
 bool AssetView::read_index(std::span<const std::byte> bytes) {
   const auto found = find_index(bytes);
   if (!found) return false;
-  if (!image_.bytes().empty()) image_.fetch(*found);  // it may be longer than what is there
+  if (!image_.bytes().empty()) image_.fetch(*found);  // the index may be longer than the bytes read so far
   const AssetIndex index = decode_index(*found, name_);
   const auto end = static_cast<std::size_t>(found->data() - bytes.data());
   std::size_t end_of_previous = 0;
@@ -285,7 +286,7 @@ bool AssetView::read_index(std::span<const std::byte> bytes) {
   return true;
 }
 
-/// If there is an index, it is the one that loading finds, and says what the JSON says.
+/// Checks that an index, if there is one, is the one that loading finds, and that it agrees with the JSON.
 void AssetView::check_index(std::span<const std::byte> bytes) const {
   const std::string place = name_ + ": section \"" + index_name + "\": ";
   const AssetSection* const section = find_section(index_name);
@@ -404,7 +405,7 @@ const AssetSection* AssetView::find_section(std::string_view section_name) const
   return found == sections_.end() ? nullptr : &*found;
 }
 
-/// Calls act(bytes) for sections of kind `fine` that follow each other, as a whole.
+/// Calls act(bytes) for each maximal run of adjacent sections of kind `fine`.
 template <class Do>
 void AssetView::for_each_fine_run(Do&& act) const {
   const auto is_fine = [](const AssetSection& section) { return section.kind == SectionKind::fine; };

@@ -28,53 +28,53 @@ const char* name(SectionKind kind) noexcept;
 struct AssetSection {
   std::string name;  ///< unique within the asset
   SectionKind kind = SectionKind::cage;
-  std::size_t element_size = 0;      ///< bytes; divides the array's
-  std::span<const std::byte> bytes;  ///< not empty; into the mapped file
-  Hash hash;                         ///< of the bytes, as the file says
+  std::size_t element_size = 0;      ///< bytes; the size of the section is a multiple of it
+  std::span<const std::byte> bytes;  ///< not empty; points into the file's image
+  Hash hash;                         ///< of the bytes, as stored in the file
 };
 
-/// What is read of an asset.
+/// The parts of an asset that are read.
 enum class AssetParts {
   all,
-  arrays,  ///< what queries need, from the index if there is one: no JSON is parsed, there is no description
+  arrays,  ///< the arrays that queries need, from the index if there is one; without parsing JSON or a description
 };
 
-/// What queries need to know of a hierarchy besides its meshes.
+/// The properties of a hierarchy that queries need besides its meshes.
 struct AssetSummary {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Solid solid = Solid::closed;
   double fine_error = 0;
 };
 
-/// An asset used in place, without parsing of its arrays (docs/asset.md). Everything handed
-/// out points into the file's image, which stays at its address as long as the view lives, wherever that is moved.
-/// Safe to read from any number of threads, but for fetch_fine() and discard_fine().
+/// An asset used in place, without parsing of its arrays (docs/asset.md). All returned views point into the file's
+/// image, which keeps its address as long as the AssetView lives, even if that is moved. Any number of threads may read
+/// from it at a time, except during fetch_fine() and discard_fine().
 class AssetView {
  public:
-  /// Throws Error naming file, section and reason. With LoadMode::copy and Verify::cages, sections of kind `fine` are
-  /// zeros until fetch_fine() reads them.
+  /// Throws Error naming file, section and reason. With LoadMode::copy and Verify::cages, sections of kind `fine`
+  /// contain zeros until fetch_fine() reads them.
   AssetView(const std::filesystem::path& file, Verify verify, LoadMode mode = LoadMode::map,
             AssetParts parts = AssetParts::all);
-  /// An asset that lies in memory, at an address divisible by 64 (asserted). The
-  /// caller keeps the bytes alive; `name` stands for the file in messages.
+  /// Reads an asset in memory, at an address divisible by 64 (asserted). The caller keeps the bytes alive; `name`
+  /// stands for the file in messages.
   AssetView(std::span<const std::byte> bytes, const std::string& name, Verify verify,
             AssetParts parts = AssetParts::all);
 
-  /// Whether the index was enough.
+  /// False if the asset was read from its index.
   bool has_description() const { return description_.has_value(); }
-  /// The hierarchy without its meshes; has_description() asserted.
+  /// Returns the hierarchy without its meshes; asserts has_description().
   const CageHierarchy& description() const;
   const AssetSummary& summary() const { return summary_; }
   std::size_t level_count() const { return cages_.size(); }
   const MeshView& cage(std::size_t level) const { return cages_[level]; }
-  /// No value if the asset holds no fine mesh. Validates the arrays, in linear
-  /// time, but does not verify their hashes. Throws Error.
+  /// Returns the fine mesh; no value if the asset has none. Validates the arrays, in linear time, but does not verify
+  /// their hashes. Throws Error.
   std::optional<MeshView> fine() const;
 
-  /// Trees and what else queries need, as stored; no value if the asset has none of it. Validates
-  /// the arrays (check_arrays()), in linear time, but does not verify hashes. Throws Error.
+  /// Returns trees and derived arrays as stored; no value if the asset has none of them. Validates the arrays
+  /// (check_arrays()), in linear time, but does not verify hashes. Throws Error.
   std::optional<MeshArraysView> cage_arrays(std::size_t level) const;
-  std::optional<MeshArraysView> fine_arrays() const;  ///< of fine(), which must have a value
+  std::optional<MeshArraysView> fine_arrays() const;  ///< those of fine(), which must have a value
 
   const std::vector<AssetSection>& sections() const { return sections_; }
   const AssetSection* find_section(std::string_view section_name) const;  ///< null if there is none
@@ -84,13 +84,13 @@ class AssetView {
   LoadMode mode() const { return image_.mode(); }
   std::size_t fine_vertex_count() const noexcept { return fine_ ? fine_->vertices.size() : 0; }
   std::size_t fine_triangle_count() const noexcept { return fine_ ? fine_->triangles.size() : 0; }
-  /// Memory that the sections of kind `fine` take, and what lies between them.
+  /// Returns the bytes of memory of the sections of kind `fine`, gaps between them included.
   std::int64_t fine_bytes() const noexcept;
-  /// Reads them, if the file is not mapped; it is opened again if it was closed. Throws Error.
+  /// Reads these sections if the file is not mapped, and opens the file again if it was closed. Throws Error.
   void fetch_fine();
-  /// verify_hash() of each of them.
+  /// Calls verify_hash() for each of them.
   void verify_fine() const;
-  /// Gives their memory back, as far as it fills whole pages; fetch_fine() before they are used again.
+  /// Frees the memory of these sections as far as it fills whole pages. Call fetch_fine() before they are used again.
   void discard_fine() noexcept;
   /// Closes a file that is not mapped.
   void close_file() noexcept { image_.close(); }

@@ -63,7 +63,7 @@ class Encoder {
   }
 
  private:
-  /// Before anything large is allocated; a lower bound.
+  /// Throws before anything large is allocated. It uses a lower bound of the size.
   void check_size() const {
     std::uint64_t size = mesh_size(hierarchy_.fine) + seal_size;
     for (const CageLevel& level : hierarchy_.levels) size += mesh_size(level.mesh);
@@ -137,7 +137,7 @@ class Encoder {
     return index;
   }
 
-  /// Behind all arrays, zeros for now: it holds the size of the file.
+  /// Reserves space for the index behind all arrays, zeros for now, because the index contains the size of the file.
   void reserve_index() {
     if (meshes_.size() > AssetIndex::most_meshes) return;
     const std::vector<std::array<char, index_element_size>> zeros(index_size(meshes_.size()) / index_element_size);
@@ -161,7 +161,8 @@ class Encoder {
     return index;
   }
 
-  /// Appends an array at the next aligned place; returns its buffer view. Target 0: nothing that glTF knows.
+  /// Appends an array at the next aligned offset; returns the index of its buffer view. Target 0 stands for data that
+  /// glTF does not know.
   template <class T>
   std::size_t add_section(const std::vector<T>& elements, SectionKind kind, const std::string& section_name,
                           int target = 0) {
@@ -205,7 +206,7 @@ class Encoder {
   std::string seal() {
     std::string bytes = glb_head(dump(), bin_.size() + seal_size, file_);
     if (stored_.size() % mesh_sections.size() == 1) {
-      // Its hash has as many digits as that of zeros.
+      // The final hash has as many digits as that of the zeros, so the size of the JSON does not change.
       const std::string index = encode_index(make_index(bytes.size() + bin_.size() + seal_size));
       bin_.replace(stored_.back().place, index.size(), index);
       document_["extensions"][asset_extension]["sections"].back()["hash"] =
@@ -222,7 +223,7 @@ class Encoder {
   std::string dump() const {
     try {
       return document_.dump();
-    } catch (const json::exception& e) {  // text that is not UTF-8
+    } catch (const json::exception& e) {  // thrown for text that is not UTF-8
       throw Error(file_ + ": JSON: " + e.what());
     }
   }
@@ -245,11 +246,15 @@ std::string encode_asset(const CageHierarchy& hierarchy, const std::string& gene
   return Encoder(hierarchy, file).encode(generator);
 }
 
-void write_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy) {
+std::string encode_asset(const CageHierarchy& hierarchy, const std::string& file) {
   const Version v = version();
   const std::string generator =
       "Encage " + std::to_string(v.major) + "." + std::to_string(v.minor) + "." + std::to_string(v.patch);
-  write_atomically(file, encode_asset(hierarchy, generator, file.string()));
+  return encode_asset(hierarchy, generator, file);
+}
+
+void write_asset(const std::filesystem::path& file, const CageHierarchy& hierarchy) {
+  write_atomically(file, encode_asset(hierarchy, file.string()));
 }
 
 }  // namespace encage

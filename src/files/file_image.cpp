@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cassert>
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -22,7 +22,7 @@ namespace {
   throw Error(file.string() + ": " + what + ": " + std::strerror(errno));
 }
 
-// Non-blocking: opening a named pipe would wait for a writer.
+// The file is opened non-blocking, since opening a named pipe would otherwise wait for a writer.
 int open_file(const std::filesystem::path& file) {
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) fail(file, "cannot open");
@@ -58,7 +58,7 @@ FileImage::FileImage(const std::filesystem::path& file, LoadMode mode)
   if (mode == LoadMode::map) {
     close();
   } else {
-    // What is not asked for is not read ahead.
+    // The system does not read ahead, because only requested ranges are needed.
     posix_fadvise(descriptor_, 0, 0, POSIX_FADV_RANDOM);
   }
 }
@@ -82,7 +82,17 @@ FileImage& FileImage::operator=(FileImage&& other) noexcept {
   return *this;
 }
 
+/// Returns the intersection of `part` and bytes().
+std::span<const std::byte> FileImage::own(std::span<const std::byte> part) const {
+  const auto address = [](const std::byte* byte) { return reinterpret_cast<std::uintptr_t>(byte); };
+  const std::uintptr_t start = std::max(address(part.data()), address(bytes_.data()));
+  const std::uintptr_t end = std::min(address(part.data()) + part.size(), address(bytes_.data()) + bytes_.size());
+  if (start >= end) return {};
+  return bytes_.subspan(start - address(bytes_.data()), end - start);
+}
+
 void FileImage::fetch(std::span<const std::byte> part) {
+  part = own(part);
   if (mode_ == LoadMode::map) {
     const auto start = reinterpret_cast<std::uintptr_t>(part.data()) / page_size() * page_size();
     const auto end = reinterpret_cast<std::uintptr_t>(part.data()) + part.size();
@@ -90,7 +100,6 @@ void FileImage::fetch(std::span<const std::byte> part) {
     if (start < end) madvise(reinterpret_cast<void*>(start), end - start, MADV_WILLNEED);
     return;
   }
-  assert(part.empty() || (part.data() >= bytes_.data() && part.data() + part.size() <= bytes_.data() + bytes_.size()));
   if (descriptor_ < 0) {
     descriptor_ = open_file(file_);
     size_of(descriptor_, file_);
@@ -109,6 +118,7 @@ void FileImage::fetch(std::span<const std::byte> part) {
 }
 
 void FileImage::discard(std::span<const std::byte> part) noexcept {
+  part = own(part);
   const std::uintptr_t page = page_size();
   const auto start = (reinterpret_cast<std::uintptr_t>(part.data()) + page - 1) / page * page;
   const auto end = (reinterpret_cast<std::uintptr_t>(part.data()) + part.size()) / page * page;

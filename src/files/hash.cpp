@@ -3,7 +3,7 @@
 
 #include <string>
 
-// Inline: no run-time dependency on libxxhash.
+// The code is inlined, so that the run time does not depend on libxxhash.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

@@ -9,10 +9,10 @@
 
 namespace encage {
 
-/// XXH3-128 of the bytes (seed 0, default secret).
+/// Returns the XXH3-128 hash of the bytes (seed 0, default secret).
 Hash hash_bytes(std::span<const std::byte> bytes);
 
-/// XXH3-128 of a sequence of byte ranges: the hash of their concatenation.
+/// Computes the XXH3-128 hash of a sequence of byte ranges: the hash of their concatenation.
 class Hasher {
  public:
   Hasher();
@@ -21,7 +21,7 @@ class Hasher {
   Hasher& operator=(Hasher&&) noexcept;
 
   void add(std::span<const std::byte> bytes);
-  /// The hash of all that was added so far; adding may go on.
+  /// Returns the hash of everything added so far. More ranges may be added afterwards.
   Hash digest() const;
 
  private:

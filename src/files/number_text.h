@@ -7,7 +7,7 @@
 
 namespace encage {
 
-/// For messages: as few digits as a reader needs to recognise the value.
+/// Formats a number for messages, with as few digits as a reader needs to recognise the value.
 inline std::string number_text(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.12g", value);

@@ -21,7 +21,7 @@ struct Row {
   BodyPose body;
 };
 
-/// Reads one line; every message starts with "file:line: ".
+/// Parses one line; every message starts with "file:line: ".
 class RowParser {
  public:
   RowParser(std::string_view line, std::string where) : rest_(line), where_(std::move(where)) {}

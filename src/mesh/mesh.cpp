@@ -40,7 +40,7 @@ Eigen::AlignedBox3d bounds(const TriangleMesh& mesh) {
 
 double signed_volume(const TriangleMesh& mesh) {
   if (mesh.triangles.rows() == 0) return 0;
-  // Relative to a vertex of the mesh: far from 0 the terms would cancel.
+  // Coordinates are relative to a vertex of the mesh: far from 0 the terms would cancel.
   const Eigen::Vector3d reference = mesh.corner(0, 0);
   double six_volumes = 0;
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
@@ -53,7 +53,7 @@ double signed_volume(const TriangleMesh& mesh) {
 }
 
 int triangle_components(const TriangleMesh& mesh, std::vector<std::int32_t>& label) {
-  // Union by smallest index, so that roots are the first vertices.
+  // The smallest index becomes the root of a union, so that roots are the first vertices.
   std::vector<std::int32_t> parent(static_cast<std::size_t>(mesh.vertices.rows()));
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](std::int32_t v) {
@@ -79,7 +79,7 @@ int triangle_components(const TriangleMesh& mesh, std::vector<std::int32_t>& lab
 }
 
 bool is_closed(const TriangleMesh& mesh) {
-  // Every undirected edge, with +1 for a < b and -1 for a > b: the sums must be 0.
+  // Lists every undirected edge, with +1 for a < b and -1 for a > b. The sums must be 0.
   std::vector<std::pair<std::uint64_t, int>> edges;
   edges.reserve(static_cast<std::size_t>(mesh.triangles.rows()) * 3);
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
@@ -107,10 +107,12 @@ Eigen::Vector3d local_origin(const Eigen::AlignedBox3d& bounds) {
   const double diagonal = bounds.diagonal().norm();
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(centre[axis]) <= 4 * diagonal) continue;
-    // Half a diagonal of freedom: a coarse power of two keeps the origin short in print.
+    origin[axis] = centre[axis];
+    if (!(diagonal > 0)) continue;  // a single point, or beyond double
+    // The origin may lie anywhere within half a diagonal: a coarse power of two keeps it short in print.
     const double step = std::ldexp(1.0, std::ilogb(diagonal) - 2);
     const double rounded = std::nearbyint(centre[axis] / step) * step;
-    origin[axis] = std::isfinite(rounded) ? rounded : centre[axis];
+    if (std::isfinite(rounded)) origin[axis] = rounded;
   }
   return origin;
 }

@@ -10,9 +10,9 @@
 namespace encage {
 namespace {
 
-// Off-diagonal entries below this share of the trace are rounding: axes stay as they are.
+// Off-diagonal entries below this fraction of the trace are rounding errors, and the axes stay unchanged.
 constexpr double negligible = 0x1p-52;
-constexpr int most_sweeps = 32;  // convergence is quadratic: 6 are usual
+constexpr int most_sweeps = 32;  // convergence is quadratic: 6 sweeps are usual
 
 /// Rotates a (both triangles) and the columns of v by the angle that makes a(p, q) zero.
 void rotate(Eigen::Matrix3d& a, Eigen::Matrix3d& v, int p, int q) {
@@ -35,7 +35,7 @@ void rotate(Eigen::Matrix3d& a, Eigen::Matrix3d& v, int p, int q) {
   }
 }
 
-/// One sign for each axis, whatever the rotations did: its largest entry is positive.
+/// Fixes the sign of each axis: its largest entry is positive.
 Eigen::Vector3d oriented(const Eigen::Vector3d& axis) {
   Eigen::Index largest = 0;
   for (int k = 1; k < 3; ++k) {

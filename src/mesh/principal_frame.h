@@ -11,9 +11,9 @@ struct PrincipalFrame {
   Eigen::Vector3d values;  ///< ascending
 };
 
-/// Eigenvalues and -vectors by cyclic Jacobi rotations (Golub and Van Loan, "Matrix computations", section
-/// 8.5): additions, multiplications, divisions and square roots only, hence the same bits on every machine.
-/// Reads the lower triangle; the entries must be finite.
+/// Computes eigenvalues and eigenvectors by cyclic Jacobi rotations (Golub and Van Loan, "Matrix computations", section
+/// 8.5). It uses additions, multiplications, divisions and square roots only, so every machine computes the same bits.
+/// It reads the lower triangle; the entries must be finite.
 PrincipalFrame principal_frame(const Eigen::Matrix3d& symmetric) noexcept;
 
 }  // namespace encage

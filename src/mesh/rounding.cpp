@@ -6,7 +6,7 @@
 namespace encage {
 
 Eigen::Vector3d round_to_float(const Eigen::Vector3d& p) {
-  // Through volatile: g++ 12.2 at -O2 drops the conversion of two of three lanes.
+  // The volatile is needed because g++ 12.2 at -O2 drops the conversion of two of three lanes.
   volatile float x = static_cast<float>(p.x());
   volatile float y = static_cast<float>(p.y());
   volatile float z = static_cast<float>(p.z());

@@ -5,10 +5,10 @@
 
 namespace encage {
 
-/// The nearest point with float32 coordinates, which is what an asset stores.
+/// Returns the nearest point with float32 coordinates, which is what an asset stores.
 Eigen::Vector3d round_to_float(const Eigen::Vector3d& p);
 
-/// Returns an upper bound of how far a vertex moves.
+/// Rounds all vertices. Returns an upper bound of how far a vertex moves.
 double round_vertices(TriangleMesh& mesh);
 
 }  // namespace encage

@@ -14,8 +14,8 @@ using Box = Eigen::AlignedBox3d;
 using Index = std::int32_t;
 
 constexpr int bin_count = 32;
-// Below this depth the tree follows the heuristic; from here on it halves, which
-// needs at most 31 further levels for 2^31 triangles.
+// Above this depth the builder follows the heuristic. From here on it halves, which needs at most 31 further levels for
+// 2^31 triangles.
 constexpr int heuristic_depth = Bvh::max_depth - 32;
 
 double half_area(const Box& box) {
@@ -32,14 +32,14 @@ float round_down(double x) {
 float round_up(double x) { return -round_down(-x); }
 
 struct Split {
-  int axis = -1;  ///< -1: none found
+  int axis = -1;  ///< -1 if no split was found
   int bin = 0;    ///< triangles of bins up to this one go left
   double cost = std::numeric_limits<double>::infinity();
 };
 
-class Builder {
+class BvhBuilder {
  public:
-  explicit Builder(const TriangleMesh& mesh) : boxes_(static_cast<std::size_t>(mesh.triangles.rows())) {
+  explicit BvhBuilder(const TriangleMesh& mesh) : boxes_(static_cast<std::size_t>(mesh.triangles.rows())) {
     for (std::size_t t = 0; t < boxes_.size(); ++t) {
       for (int k = 0; k < 3; ++k) boxes_[t].extend(mesh.corner(static_cast<std::int64_t>(t), k));
     }
@@ -77,7 +77,7 @@ class Builder {
   }
 
  private:
-  // Twice the centre: only the order matters.
+  // Returns twice the centre, since only the order matters.
   double centre(Index triangle, int axis) const { return boxes_[triangle].min()[axis] + boxes_[triangle].max()[axis]; }
 
   void set_box(Index node, Index begin, Index end) {
@@ -151,7 +151,7 @@ class Builder {
                        const double cs = centre(s, axis), ct = centre(t, axis);
                        return cs != ct ? cs < ct : s < t;
                      });
-    // nth_element leaves the halves in an order of the library's choosing.
+    // nth_element leaves each half in an unspecified order.
     std::sort(bvh_.order.begin() + begin, bvh_.order.begin() + middle);
     std::sort(bvh_.order.begin() + middle, bvh_.order.begin() + end);
     return middle;
@@ -163,6 +163,6 @@ class Builder {
 
 }  // namespace
 
-Bvh build_bvh(const TriangleMesh& mesh) { return Builder(mesh).build(); }
+Bvh build_bvh(const TriangleMesh& mesh) { return BvhBuilder(mesh).build(); }
 
 }  // namespace encage

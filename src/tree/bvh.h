@@ -19,19 +19,19 @@ struct BvhNode {
 };
 static_assert(sizeof(BvhNode) == 32);
 
-/// Binary tree of axis-aligned boxes over the triangles of a mesh, in the frame
-/// of its vertices. Boxes are rounded outward to float; node 0 is the root.
-/// Built by binned surface-area heuristic (Wald 2007), ties by index: the same
-/// mesh gives the same tree on every machine.
+/// Binary tree of axis-aligned boxes over the triangles of a mesh, in the frame of its vertices. Boxes are rounded
+/// outward to float; node 0 is the root. Built by the binned surface-area heuristic (Wald 2007, "On fast construction
+/// of SAH-based bounding volume hierarchies"), ties broken by index: the same mesh gives the same tree on every
+/// machine.
 struct Bvh {
-  static constexpr int leaf_size = 4;   ///< triangles in a leaf, at most
-  static constexpr int max_depth = 64;  ///< of any node, the root having 0: fixed stacks hold a traversal
+  static constexpr int leaf_size = 4;   ///< largest number of triangles in a leaf
+  static constexpr int max_depth = 64;  ///< of any node; the root has depth 0. Bounds the stack of a traversal
 
   std::vector<BvhNode> nodes;
   std::vector<std::int32_t> order;  ///< triangle indices, leaf after leaf
 };
 
-/// Empty for a mesh without triangles. Vertices must be finite and indices in range.
+/// Builds the tree; it is empty for a mesh without triangles. Vertices must be finite and indices in range.
 Bvh build_bvh(const TriangleMesh& mesh);
 
 }  // namespace encage

@@ -14,7 +14,7 @@ namespace {
 using Float3 = std::array<float, 3>;
 using Index3 = std::array<std::uint32_t, 3>;
 
-/// Kept apart from the conversion: g++ 12 may drop (double)(float)x on the spot.
+/// A function of its own, because g++ 12 may drop (double)(float)x when both conversions are in one function.
 [[gnu::noinline]] void check_exact(const Vertices& vertices, const std::vector<Float3>& rounded,
                                    const std::string& place) {
   for (std::size_t v = 0; v < rounded.size(); ++v) {
@@ -50,7 +50,7 @@ struct Edge {
   std::uint32_t k;
 };
 
-/// All edges of all triangles, equal ones side by side by increasing triangle.
+/// Returns all edges of all triangles. Equal edges are adjacent, sorted by increasing triangle.
 std::vector<Edge> sorted_edges(const std::vector<Index3>& triangles) {
   std::vector<Edge> edges;
   edges.reserve(3 * triangles.size());

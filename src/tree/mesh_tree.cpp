@@ -23,22 +23,22 @@ double half_area(const BvhNode& node) {
   return x * y + y * z + z * x;
 }
 
-/// The last place that is not above x, and the first that is not below.
-std::int16_t place_below(const TreeGrid& grid, int axis, float x) {
-  const double exact = grid.place(axis, static_cast<double>(x));
-  auto place = static_cast<std::int16_t>(std::clamp(std::floor(exact), -32768.0, 32767.0));
-  while (grid.at(axis, place) > x && place > -32768) --place;
-  return place;
+/// The last grid coordinate not above x, and the first not below x.
+std::int16_t coordinate_below(const TreeGrid& grid, int axis, float x) {
+  const double exact = grid.coordinate(axis, static_cast<double>(x));
+  auto coordinate = static_cast<std::int16_t>(std::clamp(std::floor(exact), -32768.0, 32767.0));
+  while (grid.at(axis, coordinate) > x && coordinate > -32768) --coordinate;
+  return coordinate;
 }
 
-std::int16_t place_above(const TreeGrid& grid, int axis, float x) {
-  const double exact = grid.place(axis, static_cast<double>(x));
-  auto place = static_cast<std::int16_t>(std::clamp(std::ceil(exact), -32768.0, 32767.0));
-  while (grid.at(axis, place) < x && place < 32767) ++place;
-  return place;
+std::int16_t coordinate_above(const TreeGrid& grid, int axis, float x) {
+  const double exact = grid.coordinate(axis, static_cast<double>(x));
+  auto coordinate = static_cast<std::int16_t>(std::clamp(std::ceil(exact), -32768.0, 32767.0));
+  while (grid.at(axis, coordinate) < x && coordinate < 32767) ++coordinate;
+  return coordinate;
 }
 
-/// Joins the nodes of a binary tree to wide ones.
+/// Collapses the nodes of a binary tree to wide ones.
 class Widener {
  public:
   Widener(const Bvh& binary, const TriangleMesh& mesh, const TreeGrid& grid)
@@ -66,10 +66,11 @@ class Widener {
         const BvhNode& node = binary_.nodes[lanes[lane < count ? lane : 0]];
         MeshNode& wide = tree_.nodes[task.wide];
         for (int axis = 0; axis < 3; ++axis) {
-          // What is unused is empty, so that tests rarely find it.
-          wide.lower[axis][lane] = lane < count ? place_below(tree_.grid, axis, node.lower[axis]) : std::int16_t{32767};
+          // Unused lanes have empty boxes, so that tests rarely report them.
+          wide.lower[axis][lane] =
+              lane < count ? coordinate_below(tree_.grid, axis, node.lower[axis]) : std::int16_t{32767};
           wide.upper[axis][lane] =
-              lane < count ? place_above(tree_.grid, axis, node.upper[axis]) : std::int16_t{-32768};
+              lane < count ? coordinate_above(tree_.grid, axis, node.upper[axis]) : std::int16_t{-32768};
         }
         wide.set_link(lane, 0, MeshNode::unused);
         if (lane >= count) continue;
@@ -88,7 +89,7 @@ class Widener {
   }
 
  private:
-  /// The descendants that become lanes: always the largest box is opened.
+  /// Collects the descendants that become lanes, always opening the largest box.
   int open(std::int32_t root, std::array<std::int32_t, width>& lanes) const {
     int count = 0;
     lanes[count++] = root;
@@ -109,7 +110,7 @@ class Widener {
     return count;
   }
 
-  // Triangles below a node lie side by side in Bvh::order.
+  // Triangles below a node are contiguous in Bvh::order.
   std::int32_t first_triangle(std::int32_t n) const {
     while (!binary_.nodes[n].leaf()) n = binary_.nodes[n].first;
     return binary_.nodes[n].first;
@@ -124,9 +125,9 @@ class Widener {
   MeshTree tree_;
 };
 
-class Checker {
+class TreeChecker {
  public:
-  Checker(const MeshTreeView& tree, const MeshView& mesh, const std::string& place)
+  TreeChecker(const MeshTreeView& tree, const MeshView& mesh, const std::string& place)
       : tree_(tree), mesh_(mesh), place_(place) {}
 
   void check_links() {
@@ -164,7 +165,7 @@ class Checker {
     if (covered_count != covered.size()) throw Error(place_ + ": the tree does not reach every triangle");
   }
 
-  /// After check_links(): every triangle lies in all boxes and slabs on the way down to it.
+  /// Checks that every triangle lies in all boxes and slabs on the path to it. Call it after check_links().
   void check_bounds() const {
     struct Lane {
       std::size_t node;
@@ -226,12 +227,12 @@ class Checker {
   }
 
   bool contains(const MeshNode& node, int lane, const std::array<float, 3>& vertex) const {
-    Eigen::Vector3d place;
+    Eigen::Vector3d position;
     for (int axis = 0; axis < 3; ++axis) {
       if (vertex[axis] < tree_.lower(node, axis, lane) || vertex[axis] > tree_.upper(node, axis, lane)) return false;
-      place[axis] = tree_.grid.place(axis, static_cast<double>(vertex[axis]));
+      position[axis] = tree_.grid.coordinate(axis, static_cast<double>(vertex[axis]));
     }
-    const double height = Slab::height({node.normal[0][lane], node.normal[1][lane], node.normal[2][lane]}, place);
+    const double height = Slab::height({node.normal[0][lane], node.normal[1][lane], node.normal[2][lane]}, position);
     return MeshNode::slab_unit * node.slab_lower[lane] <= height &&
            height <= MeshNode::slab_unit * node.slab_upper[lane];
   }
@@ -255,7 +256,8 @@ TreeGrid make_grid(std::span<const std::array<float, 3>> vertices) {
     largest = std::max({largest, std::abs(low[axis]), std::abs(high[axis])});
   }
   TreeGrid grid;
-  // A little more than the extent; never so little that places would round to the same number.
+  // The step is a little more than the extent requires, and never so small that different grid coordinates round to the
+  // same number.
   double step = std::max(largest * 0x1p-21, static_cast<double>(std::numeric_limits<float>::min()));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double half = 0.5 * (high[axis] - low[axis]);
@@ -278,11 +280,11 @@ MeshTree build_mesh_tree(const TriangleMesh& mesh) {
 }
 
 void check_tree(const MeshTreeView& tree, const MeshView& mesh, const std::string& place) {
-  Checker(tree, mesh, place).check_links();
+  TreeChecker(tree, mesh, place).check_links();
 }
 
 void check_bounds(const MeshTreeView& tree, const MeshView& mesh, const std::string& place) {
-  Checker checker(tree, mesh, place);
+  TreeChecker checker(tree, mesh, place);
   checker.check_links();
   checker.check_bounds();
 }

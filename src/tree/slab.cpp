@@ -14,7 +14,7 @@ namespace {
 
 using Corners = std::span<const std::array<Eigen::Vector3d, 3>>;
 
-// Above the rounding of a height, which is a sum of three products below 2^23.
+// Exceeds the rounding of a height, which is a sum of three products below 2^23.
 constexpr double rounding = 0x1p-20;
 
 Eigen::Vector3d mean_corner(Corners triangles) {
@@ -60,7 +60,7 @@ SlabFitter::SlabFitter(const TriangleMesh& mesh, const TreeGrid& grid, std::span
   for (std::size_t i = 0; i < order.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d x = mesh.corner(order[i], k);
-      for (int axis = 0; axis < 3; ++axis) corners_[i][k][axis] = grid.place(axis, x[axis]);
+      for (int axis = 0; axis < 3; ++axis) corners_[i][k][axis] = grid.coordinate(axis, x[axis]);
     }
   }
 }

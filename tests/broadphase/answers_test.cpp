@@ -97,7 +97,7 @@ void ask_pair(Answers& answers, const Shape& a, const Motion& motion_a, const Sh
   answers.add(verdict);
   answers.add(separated(a, motion_a, b, motion_b, {.margin = margin, .cages = CageUse::always, .fine = false}));
   answers.add(separated(a, motion_a, HalfSpace{}, margin));
-  for_each_candidate(a, motion_a, b, motion_b, margin, [&](TrianglePair pair) {
+  for_each_triangle_pair(a, motion_a, b, motion_b, margin, [&](TrianglePair pair) {
     ++answers.candidates;
     answers.add(pair);
     return true;

@@ -2,28 +2,9 @@
 #pragma once
 
 #include <atomic>
-#include <cstdlib>
-#include <new>
 
-// Counts what a test program allocates, and may stop it; for one file of the program only.
+// Counts what a test program allocates, and may stop it. A program that names one of these gets operators new and
+// delete that do so.
 
-namespace {
-std::atomic<long> allocations{0};
-std::atomic<long> allocations_left{-1};  // then there is no memory; negative: always enough
-
-void* allocate(std::size_t size) {
-  if (allocations_left == 0) return nullptr;
-  if (allocations_left > 0) --allocations_left;
-  ++allocations;
-  return std::malloc(size);
-}
-}  // namespace
-
-// Not inlined: the compiler would see a mismatch of new and free.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  if (void* p = allocate(size)) return p;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate(size); }
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+extern std::atomic<long> allocations;       ///< so far
+extern std::atomic<long> allocations_left;  ///< after so many more there is no memory; negative: always enough

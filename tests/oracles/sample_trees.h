@@ -3,6 +3,7 @@
 
 #include "broadphase/separation/box_gate.h"
 #include "oracles/meshes.h"
+#include "src/tree/mesh_arrays.h"
 
 #include <limits>
 #include <utility>

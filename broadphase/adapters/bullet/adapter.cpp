@@ -22,7 +22,8 @@ namespace {
 constexpr int types = MAX_BROADPHASE_COLLISION_TYPES;
 using CreateTable = std::array<std::array<btCollisionAlgorithmCreateFunc*, types>, types>;
 
-/// Reads what is registered: Bullet has a setter only. The member is protected, so this names it as a heir may.
+/// Reads the registered function, for which Bullet has a setter only. The member is protected, so a derived class names
+/// it.
 struct Registered : btCollisionDispatcher {
   static btCollisionAlgorithmCreateFunc* at(const btCollisionDispatcher& dispatcher, int type0, int type1) {
     return (dispatcher.*(&Registered::m_doubleDispatchContactPoints))[type0][type1];
@@ -38,9 +39,9 @@ void for_gimpact_types(F&& f) {
   }
 }
 
-/// Distance beyond the margins within which an algorithm may make contacts, or keep them: a point is dropped when it
-/// is farther apart than the threshold along the normal or across, hence at the latest at sqrt 2 of it. GImpact
-/// keeps none, and makes none without overlap: 0.
+/// Returns the distance beyond the margins within which an algorithm may make or keep contacts. A point is dropped when
+/// it is farther apart than the threshold along the normal or across it, hence at sqrt 2 times the threshold at the
+/// latest. GImpact keeps no points, and makes none without overlap: 0.
 double contact_distance(const btCollisionShape& a, const btCollisionShape& b, const btManifoldArray& manifolds,
                         const btManifoldResult& result) {
   const btScalar all = gContactBreakingThreshold;
@@ -53,7 +54,7 @@ double contact_distance(const btCollisionShape& a, const btCollisionShape& b, co
 
 }  // namespace
 
-/// What the dispatcher calls for a new pair, and what its algorithms share.
+/// The dispatcher calls this for a new pair; the algorithms of all pairs share it.
 class ENCAGE_HIDDEN BulletAdapter::State final : public btCollisionAlgorithmCreateFunc,
                                                  public std::enable_shared_from_this<State> {
  public:
@@ -64,7 +65,7 @@ class ENCAGE_HIDDEN BulletAdapter::State final : public btCollisionAlgorithmCrea
     });
   }
 
-  /// From now on everything is handed on.
+  /// Forwards every later call to Bullet's own functions.
   void uninstall() {
     for_gimpact_types([&](int i, int j) {
       if (Registered::at(dispatcher_, i, j) == this) dispatcher_.registerCollisionCreateFunc(i, j, inner_[i][j]);
@@ -129,7 +130,7 @@ class ENCAGE_HIDDEN BulletAdapter::State final : public btCollisionAlgorithmCrea
   std::atomic<std::int64_t> asked_ = 0, rejected_ = 0;
 };
 
-/// In front of the algorithm of one pair.
+/// Stands in front of the algorithm of one pair.
 class ENCAGE_HIDDEN BulletAdapter::Algorithm final : public btCollisionAlgorithm {
  public:
   Algorithm(std::shared_ptr<State> state, const btCollisionAlgorithmConstructionInfo& info, btCollisionAlgorithm& inner)
@@ -158,7 +159,7 @@ class ENCAGE_HIDDEN BulletAdapter::Algorithm final : public btCollisionAlgorithm
   void getAllContactManifolds(btManifoldArray& manifolds) override { inner_->getAllContactManifolds(manifolds); }
 
  private:
-  /// An algorithm releases its manifolds when it is destroyed; in the next step a new one begins without.
+  /// An algorithm releases its manifolds when it is destroyed; the next step creates a new one without manifolds.
   void release(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b) {
     destroy_inner();
     btCollisionAlgorithmConstructionInfo info(m_dispatcher, -1);
@@ -180,10 +181,10 @@ class ENCAGE_HIDDEN BulletAdapter::Algorithm final : public btCollisionAlgorithm
 btCollisionAlgorithm* BulletAdapter::State::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                                      const btCollisionObjectWrapper* a,
                                                                      const btCollisionObjectWrapper* b) {
-  // Bullet's pools hold elements of one size, in which its own algorithms fit.
+  // Bullet's pools hold elements of one size; its own algorithms fit, so this one must be no larger.
   static_assert(sizeof(Algorithm) <= sizeof(btGImpactCollisionAlgorithm));
   btCollisionAlgorithm* const inner = create_inner(info, *a, *b);
-  // A manifold that somebody else holds is not the algorithm's to release.
+  // The algorithm must not release a manifold that somebody else owns.
   if (!inner || info.m_manifold) return inner;
   return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Algorithm)))
       Algorithm(shared_from_this(), info, *inner);

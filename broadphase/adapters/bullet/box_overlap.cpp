@@ -12,11 +12,11 @@ namespace {
 using Vector = Eigen::Vector3f;
 using Lanes = Eigen::Array<float, MeshNode::width, 1>;
 
-struct Box {
+struct TriangleBox {
   Vector centre, half;
 };
 
-/// The frame of another body in this one's; magnitudes grown as Bullet grows them.
+/// Maps the frame of the other body to this one's. Magnitudes are enlarged as Bullet enlarges them.
 struct Frame {
   Eigen::Matrix3f rotation, magnitude;
   Vector offset;
@@ -27,18 +27,18 @@ struct Frame {
         offset(map.translation().cast<float>()) {}
 };
 
-/// One of two trees: its boxes in its body's frame.
+/// The boxes of one of the two trees, in its body's frame.
 class Side {
  public:
   explicit Side(const BoxedMesh& mesh)
       : fine_(mesh.shape.fine),
         scale_(static_cast<float>(mesh.scale)),
         growth_(static_cast<float>(mesh.growth)),
-        origin_((mesh.scale * mesh.shape.origin).cast<float>()) {}
+        origin_((mesh.scale * mesh.shape.frame.origin).cast<float>()) {}
 
   struct NodeBoxes {
     std::array<Lanes, 3> centre, half;
-    Box box(int lane) const {
+    TriangleBox box(int lane) const {
       return {{centre[0][lane], centre[1][lane], centre[2][lane]}, {half[0][lane], half[1][lane], half[2][lane]}};
     }
   };
@@ -60,7 +60,7 @@ class Side {
     return result;
   }
 
-  Box root() const {
+  TriangleBox root() const {
     const NodeBoxes all = boxes(node(0));
     Vector low, high;
     for (int k = 0; k < 3; ++k) {
@@ -71,7 +71,7 @@ class Side {
     return {0.5F * (low + high), 0.5F * (high - low)};
   }
 
-  Box box(std::int32_t leaf) const {
+  TriangleBox box(std::int32_t leaf) const {
     Vector low, high;
     low.setConstant(std::numeric_limits<float>::infinity());
     high = -low;
@@ -90,9 +90,9 @@ class Side {
   Vector origin_;
 };
 
-/// Whether the boxes of these lanes may overlap `other`, which lies in the other frame.
-Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, const Frame& frame, const Box& other,
-                                               float slack) {
+/// Returns the lanes whose boxes may overlap `other`, which lies in the other frame.
+Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, const Frame& frame,
+                                               const TriangleBox& other, float slack) {
   const Vector centre = frame.rotation * other.centre + frame.offset;
   const Vector reach = (frame.magnitude * other.half).array() + slack;
   std::array<Lanes, 3> apart;
@@ -113,7 +113,7 @@ Eigen::Array<bool, MeshNode::width, 1> overlap(const Side::NodeBoxes& boxes, con
   return result;
 }
 
-bool overlap(const Box& box, const Frame& frame, const Box& other, float slack) {
+bool overlap(const TriangleBox& box, const Frame& frame, const TriangleBox& other, float slack) {
   const Vector apart = frame.rotation * other.centre + frame.offset - box.centre;
   const Vector own = frame.magnitude * other.half + box.half,
                across = frame.magnitude.transpose() * box.half + other.half;
@@ -121,11 +121,11 @@ bool overlap(const Box& box, const Frame& frame, const Box& other, float slack) 
          (((frame.rotation.transpose() * apart).cwiseAbs() - across).array() <= slack).all();
 }
 
-/// A box of either tree: a node, if count is MeshNode::inner, or triangles of a leaf.
-struct Place {
+/// A box of either tree: that of a node, if count is MeshNode::inner, or of the triangles of a leaf.
+struct BoxRef {
   std::int32_t index;
   int count;
-  Box box;
+  TriangleBox box;
 };
 
 class Traversal {
@@ -141,9 +141,9 @@ class Traversal {
       if (leaf_a && leaf_b) {
         if (leaves_overlap(entry.a, entry.b)) return true;
       } else if (leaf_b || (!leaf_a && entry.a.box.half.sum() >= entry.b.box.half.sum())) {
-        expand(a_, b_to_a_, entry.a, entry.b, [&](const Place& child) { push(child, entry.b); });
+        expand(a_, b_to_a_, entry.a, entry.b, [&](const BoxRef& child) { push(child, entry.b); });
       } else {
-        expand(b_, a_to_b_, entry.b, entry.a, [&](const Place& child) { push(entry.a, child); });
+        expand(b_, a_to_b_, entry.b, entry.a, [&](const BoxRef& child) { push(entry.a, child); });
       }
     }
     return false;
@@ -151,14 +151,14 @@ class Traversal {
 
  private:
   struct Entry {
-    Place a, b;
+    BoxRef a, b;
   };
 
-  void push(const Place& a, const Place& b) { stack_[size_++] = {a, b}; }
+  void push(const BoxRef& a, const BoxRef& b) { stack_[size_++] = {a, b}; }
 
   template <class Push>
-  void expand(const Side& side, const Frame& frame, const Place& place, const Place& other, Push&& push) const {
-    const MeshNode& node = side.node(place.index);
+  void expand(const Side& side, const Frame& frame, const BoxRef& ref, const BoxRef& other, Push&& push) const {
+    const MeshNode& node = side.node(ref.index);
     const Side::NodeBoxes boxes = side.boxes(node);
     const auto near = overlap(boxes, frame, other.box, slack_);
     for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
@@ -166,9 +166,9 @@ class Traversal {
     }
   }
 
-  bool leaves_overlap(const Place& a, const Place& b) const {
+  bool leaves_overlap(const BoxRef& a, const BoxRef& b) const {
     for (std::int32_t i = a.index; i < a.index + a.count; ++i) {
-      const Box box = a_.box(i);
+      const TriangleBox box = a_.box(i);
       if (!overlap(box, b_to_a_, b.box, slack_)) continue;
       for (std::int32_t j = b.index; j < b.index + b.count; ++j) {
         if (overlap(box, b_to_a_, b_.box(j), slack_)) return true;
@@ -189,9 +189,9 @@ class Traversal {
 bool boxes_may_overlap(const BoxedMesh& a, const BoxedMesh& b, const Eigen::Isometry3d& b_to_a, double slack) noexcept {
   FineLease lease_a, lease_b;
   if (!a.shape.has_fine() || !b.shape.has_fine() || !lease_a.take(a.shape) || !lease_b.take(b.shape)) return true;
-  // All in float: its rounding, of numbers up to the sum of all sizes.
-  const double size = a.scale * (a.shape.radius + a.shape.origin.norm()) + a.growth +
-                      b.scale * (b.shape.radius + b.shape.origin.norm()) + b.growth + b_to_a.translation().norm();
+  // Everything is computed in float. Its rounding is that of numbers up to the sum of all sizes.
+  const double size = a.scale * a.shape.frame.reach() + a.growth + b.scale * b.shape.frame.reach() + b.growth +
+                      b_to_a.translation().norm();
   const double all = slack + 64 * 0x1p-24 * size;
   if (!(size <= 1e30 && size >= 1e-30)) return true;
   return Traversal(a, b, b_to_a, static_cast<float>(all * (1 + 1e-6))).finds_overlap();

@@ -7,16 +7,16 @@
 
 namespace encage::bullet {
 
-/// A fine mesh, and by how much boxes of triangles are wider than the triangles to each side.
+/// A fine mesh, and how much wider on each side the boxes of its triangles are than the triangles.
 struct ENCAGE_HIDDEN BoxedMesh {
-  const Shape& shape;
+  const SimpleShape& shape;
   double scale;
   double growth;
 };
 
-/// False only if no box of a triangle of `a` and of `b`, axis-aligned in its body's frame, overlap by the test of their
-/// six face normals, with all distances along these up to `slack` off. `b_to_a` is a rotation, then a translation. Re-
-/// entrant, never allocates.
+/// False only if no boxes of a triangle of `a` and one of `b`, each axis-aligned in its body's frame, overlap by the
+/// test of their six face normals, where all distances along these may be off by `slack`. `b_to_a` is a rotation
+/// followed by a translation. Re-entrant, never allocates.
 bool boxes_may_overlap(const BoxedMesh& a, const BoxedMesh& b, const Eigen::Isometry3d& b_to_a, double slack) noexcept;
 
 }  // namespace encage::bullet

@@ -19,7 +19,7 @@
 namespace encage::bullet {
 namespace {
 
-/// Vertices and triangles of a part may be read while this lives.
+/// Locks a part: its vertices and triangles may be read while this object lives.
 class Locked {
  public:
   explicit Locked(const btGImpactMeshShapePart& part) : part_(part) { part_.lockChildShapes(); }
@@ -31,8 +31,8 @@ class Locked {
   const btGImpactMeshShapePart& part_;
 };
 
-/// Largest distance of a point of the box from the triangle, at most: that distance is convex, hence
-/// largest in a corner, and no more than to some point of the triangle.
+/// Upper bound of the largest distance of a point of the box from the triangle. That distance is convex, hence largest
+/// in a corner, and no more than the distance to any one point of the triangle.
 double reach_of(const Eigen::AlignedBox3d& box, const std::array<Eigen::Vector3d, 3>& triangle) {
   const auto& [a, b, c] = triangle;
   const std::array<Eigen::Vector3d, 7> points = {a, b, c, (a + b) / 2, (b + c) / 2, (c + a) / 2, (a + b + c) / 3};
@@ -50,18 +50,18 @@ double distance_from_centroid(const Eigen::Vector3d& x, const std::array<Eigen::
   return (x - (triangle[0] + triangle[1] + triangle[2]) / 3).norm();
 }
 
-/// How far the box of a triangle reaches beyond the fine mesh's triangle of that number.
-double growth_of(const Eigen::AlignedBox3d& box, int triangle, const GImpactMesh& measured, const Shape& shape) {
+/// Returns how far the box of a triangle reaches beyond the fine mesh's triangle of the same number.
+double growth_of(const Eigen::AlignedBox3d& box, int triangle, const GImpactMesh& measured, const SimpleShape& shape) {
   const auto number = static_cast<std::size_t>(triangle);
   if (number >= shape.fine.mesh.triangles.size()) return std::numeric_limits<double>::infinity();
   Eigen::AlignedBox3d fine;
   for (const std::uint32_t v : shape.fine.mesh.triangles[number]) {
-    fine.extend(measured.scale * (shape.origin + shape.fine.vertex(static_cast<std::int32_t>(v))));
+    fine.extend(measured.scale * (shape.frame.origin + shape.fine.vertex(static_cast<std::int32_t>(v))));
   }
   return std::max((fine.min() - box.min()).maxCoeff(), (box.max() - fine.max()).maxCoeff());
 }
 
-void measure_boxes(const btGImpactMeshShapePart& part, const Shape& shape, GImpactMesh& measured) {
+void measure_boxes(const btGImpactMeshShapePart& part, const SimpleShape& shape, GImpactMesh& measured) {
   const btGImpactBoxSet& tree = *part.getBoxSet();
   for (int node = 0; node < tree.getNodeCount(); ++node) {
     if (!tree.isLeafNode(node)) continue;
@@ -76,13 +76,13 @@ void measure_boxes(const btGImpactMeshShapePart& part, const Shape& shape, GImpa
     const double growth = part.getPart() == 0 ? growth_of(box, tree.getNodeData(node), measured, shape)
                                               : std::numeric_limits<double>::infinity();
     measured.growth = std::max(measured.growth, growth);
-    // The box about a box that is turned has a diagonal up to sqrt 3 times as long.
+    // The axis-aligned box around a turned box has a diagonal up to sqrt 3 times as long.
     measured.spread = std::max(
         measured.spread, distance_from_centroid(box.center(), triangle) + std::sqrt(3.0) / 2 * box.diagonal().norm());
   }
 }
 
-/// Bounds of what triangles use; `used` by vertex.
+/// Returns the bounds of the vertices that triangles use, and marks these vertices in `used`.
 Eigen::AlignedBox3d measure_vertices(const btGImpactMeshShapePart& part, GImpactMesh& measured) {
   Eigen::AlignedBox3d box;
   std::vector<char> used(static_cast<std::size_t>(part.getVertexCount()));
@@ -106,7 +106,7 @@ Eigen::AlignedBox3d measure_vertices(const btGImpactMeshShapePart& part, GImpact
   return box;
 }
 
-/// The factor, or 0 if axes or parts differ.
+/// Returns the scale factor, or 0 if axes or parts differ in it.
 double uniform_scale(const btGImpactMeshShape& mesh) {
   const double scale = mesh.getMeshPart(0)->getLocalScaling().x();
   for (int p = 0; p < mesh.getMeshPartCount(); ++p) {
@@ -115,12 +115,13 @@ double uniform_scale(const btGImpactMeshShape& mesh) {
   return scale > 0 && std::isfinite(scale) ? scale : 0;
 }
 
-/// The mesh, in the unit of the asset, has to have the asset's box, if that stores the fine mesh, and to lie in the
-/// finest cage's in any case. Vertices are rounded to float, the asset's box to 16 bits.
-void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, const Shape& shape) {
+/// Throws if the mesh, in the unit of the asset, has another box than the asset's fine mesh, if that is stored, or does
+/// not lie in the box of the finest cage. Vertices are rounded to float, the asset's box to 16 bits.
+void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, const SimpleShape& shape) {
   const Eigen::AlignedBox3d box(scaled.min() / measured.scale, scaled.max() / measured.scale);
   const Surface& outer = shape.outer();
-  const Eigen::AlignedBox3d asset(outer.lower.cast<double>() + shape.origin, outer.upper.cast<double>() + shape.origin);
+  const Eigen::AlignedBox3d asset(outer.lower.cast<double>() + shape.frame.origin,
+                                  outer.upper.cast<double>() + shape.frame.origin);
   const double tolerance =
       2 * shape.fine_error +
       1e-4 * (asset.min().cwiseAbs().maxCoeff() + asset.max().cwiseAbs().maxCoeff() + measured.radius / measured.scale);
@@ -138,8 +139,9 @@ void check_box(const Eigen::AlignedBox3d& scaled, const GImpactMesh& measured, c
 
 }  // namespace
 
-GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& shape) {
-  if (!shape.parts.empty()) throw Error("Bullet mesh: the shape to attach is a compound; attach a simple one");
+GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& attached) {
+  if (attached.is_compound()) throw Error("Bullet mesh: the shape to attach is a compound; attach a simple one");
+  const SimpleShape& shape = attached.simple();
   const FineLease lease(shape);
   if (mesh.getMeshPartCount() == 0) throw Error("Bullet mesh: has no triangles");
   GImpactMesh measured;

@@ -8,26 +8,26 @@ class btStridingMeshInterface;
 
 namespace encage::bullet {
 
-/// What of a GImpact mesh decides where it may have contacts. World units, the local scaling included.
+/// Properties of a GImpact mesh that decide where it may have contacts. World units, including the local scaling.
 struct GImpactMesh {
   const btStridingMeshInterface* arrays = nullptr;
-  double scale = 1;   ///< of all axes alike; 0: of each another
+  double scale = 1;   ///< the same for all axes; 0 if axes differ
   double margin = 0;  ///< the largest of the parts
   double radius = 0;  ///< largest norm of a vertex
-  /// Boxes of triangles in GImpact's tree. `reach`: largest distance of a point of a box from its triangle. `spread`:
-  /// the same for the box about that box, axis-aligned in any other frame.
+  /// `reach` is the largest distance of a point of a box in GImpact's tree from the triangle of the box. `spread` is
+  /// the same for the box around that box, axis-aligned in any other frame.
   double reach = 0;
   double spread = 0;
-  /// Boxes are no wider than those of the fine mesh's triangles of the same number, scaled, by more than this to each
-  /// side; infinite if there is no such triangle.
+  /// Each box is at most this much wider, to each side, than the box of the fine mesh's triangle of the same number,
+  /// scaled. Infinite if there is no such triangle.
   double growth = 0;
-  bool loose_vertices = false;  ///< some are not of a triangle; against planes GImpact looks at these too
+  bool loose_vertices = false;  ///< some belong to no triangle; GImpact tests these too against planes
 };
 
-/// Measures the mesh. Throws Error where BulletAdapter::attach() says so.
+/// Measures the mesh. Throws Error as BulletAdapter::attach() documents.
 GImpactMesh measure(const btGImpactMeshShape& mesh, const Shape& shape);
 
-/// False if margin or scaling are not those that were measured.
+/// False if the margin or the scaling differ from the measured ones.
 bool still_holds(const GImpactMesh& measured, const btGImpactMeshShape& mesh) noexcept;
 
 }  // namespace encage::bullet

@@ -13,14 +13,14 @@
 namespace encage::bullet {
 namespace {
 
-/// A rotation near a matrix of btScalar, and how far that is from it (Frobenius norm).
+/// A rotation near a matrix of btScalar, and its distance from that matrix (Frobenius norm).
 struct Rotation {
   Eigen::Matrix3d matrix;
   double skew;
 };
 
-/// One step of Newton's iteration for the polar factor: a departure of d becomes d^2, 1e-14 for float. Where
-/// the matrix is farther from a rotation, separated() refuses the result.
+/// One step of Newton's iteration for the polar factor: a departure of d becomes d^2, 1e-14 for float. If the matrix is
+/// farther from a rotation, separated() refuses the result.
 Rotation nearest_rotation(const btMatrix3x3& basis) {
   const Eigen::Matrix3d r = to_eigen(basis);
   const Eigen::Matrix3d rotation = r * (1.5 * Eigen::Matrix3d::Identity() - 0.5 * r.transpose() * r);
@@ -34,16 +34,17 @@ Motion resting(const Rotation& rotation, const Eigen::Vector3d& translation, dou
   return Motion::resting(pose, scale);
 }
 
-/// Bullet's vertices are the source's rounded; in the table of the guarantee.
-double vertex_error(const AttachedMesh& a) { return a.shape->fine_error * a.mesh.scale; }
+/// Bounds how far Bullet's vertices are from those of the fine mesh: they may be the source's (docs/guarantee.md,
+/// "Bullet").
+double vertex_error(const AttachedMesh& a) { return a.shape->simple().fine_error * a.mesh.scale; }
 
-constexpr double roundings = 64 * unit_roundoff;  // of the sum of all lengths that take part
-constexpr double up = 1 + 1e-12;                  // of these computations themselves
+constexpr double roundings = 64 * unit_roundoff;  // of the sum of all lengths involved
+constexpr double up = 1 + 1e-12;                  // covers the rounding of these computations themselves
 
 }  // namespace
 
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const AttachedMesh& b,
-                  const btTransform& transform_b, const Question& question) noexcept {
+                  const btTransform& transform_b, const PairQuestion& question) noexcept {
   const Rotation rotation_a = nearest_rotation(transform_a.getBasis());
   const Rotation rotation_b = nearest_rotation(transform_b.getBasis());
   const Eigen::Vector3d at_a = to_eigen(transform_a.getOrigin()), at_b = to_eigen(transform_b.getOrigin());
@@ -56,8 +57,9 @@ bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const A
   const double distance = question.false_contacts ? std::max(contact, boxes) : contact;
   if (separated(*a.shape, motion_a, *b.shape, motion_b, (distance + slack) * up).separated) return true;
   if (!question.false_contacts || question.extra > 0) return false;
-  return !boxes_may_overlap({*a.shape, a.mesh.scale, a.mesh.growth}, {*b.shape, b.mesh.scale, b.mesh.growth},
-                            motion_a.start.inverse() * motion_b.start, slack * up);
+  return !boxes_may_overlap({a.shape->simple(), a.mesh.scale, a.mesh.growth},
+                            {b.shape->simple(), b.mesh.scale, b.mesh.growth}, motion_a.start.inverse() * motion_b.start,
+                            slack * up);
 }
 
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const btStaticPlaneShape& plane,
@@ -68,7 +70,7 @@ bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const b
   const Eigen::Matrix3d turned = to_eigen(transform_plane.getBasis());
   const Eigen::Vector3d local = to_eigen(plane.getPlaneNormal());
   const double constant = static_cast<double>(plane.getPlaneConstant());
-  // As Bullet sees it: { x : normal . x < height + margins }.
+  // The half-space as Bullet sees it: { x : normal . x < height + margins }.
   const Eigen::Vector3d normal = turned * local;
   const double length = normal.norm();
   const double height = normal.dot(turned * (constant * local) + plane_at);

@@ -13,15 +13,15 @@ struct AttachedMesh {
   GImpactMesh mesh;
 };
 
-/// What is asked of two meshes beyond their being farther apart than both margins and all rounding.
-struct Question {
+/// Requirements on two meshes beyond a distance larger than both margins and all rounding.
+struct PairQuestion {
   double extra = 0;             ///< distance beyond the margins
-  bool false_contacts = false;  ///< GImpact's contacts of triangles back to back count as well
+  bool false_contacts = false;  ///< GImpact's contacts of triangles back to back count as contacts
 };
 
 /// True only if Bullet has no contact between the two (docs/guarantee.md, "Bullet").
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const AttachedMesh& b,
-                  const btTransform& transform_b, const Question& question) noexcept;
+                  const btTransform& transform_b, const PairQuestion& question) noexcept;
 
 /// The same for a static plane.
 bool proven_apart(const AttachedMesh& a, const btTransform& transform_a, const btStaticPlaneShape& plane,

@@ -37,7 +37,7 @@ FclCollision::FclCollision(const FclShapes& shapes, ::fcl::CollisionCallBack<dou
   assert(user != nullptr);
 }
 
-// True would end the manager's search: a rejected pair answers false.
+// Returning true would end the manager's search, so a rejected pair returns false.
 bool FclCollision::callback(::fcl::CollisionObjectd* a, ::fcl::CollisionObjectd* b, void* collision) {
   FclCollision& self = *static_cast<FclCollision*>(collision);
   const auto body_a = self.shapes_->body(*a), body_b = self.shapes_->body(*b);
@@ -66,7 +66,8 @@ bool FclDistance::no_nearer(const FclShapes::Body& a, const FclShapes::Body& b, 
 
 bool FclDistance::callback(::fcl::CollisionObjectd* a, ::fcl::CollisionObjectd* b, void* distance, double& least) {
   FclDistance& self = *static_cast<FclDistance*>(distance);
-  // Nothing is as far as FCL's first value. What is not positive ends the search, which is the user's to say.
+  // No body is as far away as FCL's initial value. A value that is not positive ends the search, and only the user's
+  // callback may return that.
   if (least > 0 && least < std::numeric_limits<double>::max()) {
     const auto body_a = self.shapes_->body(*a), body_b = self.shapes_->body(*b);
     if (body_a && body_b) {

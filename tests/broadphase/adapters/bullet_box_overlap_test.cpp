@@ -17,7 +17,7 @@ std::vector<Box> boxes(const BoxedMesh& mesh) {
   for (const auto& triangle : mesh.shape.fine.mesh.triangles) {
     Box box;
     for (const std::uint32_t v : triangle) {
-      box.extend(mesh.scale * (mesh.shape.origin + mesh.shape.fine.vertex(static_cast<std::int32_t>(v))));
+      box.extend(mesh.scale * (mesh.shape.frame.origin + mesh.shape.fine.vertex(static_cast<std::int32_t>(v))));
     }
     all.emplace_back(box.min().array() - mesh.growth, box.max().array() + mesh.growth);
   }
@@ -54,7 +54,8 @@ TEST(BulletBoxOverlap, IsThatOfAnyTwoTriangles) {
   for (int i = 0; i < 160; ++i) {
     const test::Body a = test::body_named(names[static_cast<std::size_t>(i % 3)]);
     const test::Body b = test::body_named(names[static_cast<std::size_t>(i / 3 % 3)]);
-    const BoxedMesh mesh_a{*a.shape, 1, 0.01 * (i % 2)}, mesh_b{*b.shape, i % 5 == 0 ? 0.5 : 1, 0.02 * (i % 3)};
+    const BoxedMesh mesh_a{a.shape->simple(), 1, 0.01 * (i % 2)},
+        mesh_b{b.shape->simple(), i % 5 == 0 ? 0.5 : 1, 0.02 * (i % 3)};
     const Eigen::Isometry3d b_to_a = pose(random, 3);
     const double exact = gap(boxes(mesh_a), boxes(mesh_b), b_to_a), slack = i % 7 == 0 ? 0.05 : 0;
     const bool found = boxes_may_overlap(mesh_a, mesh_b, b_to_a, slack);
@@ -71,7 +72,7 @@ TEST(BulletBoxOverlap, IsThatOfAnyTwoTriangles) {
 TEST(BulletBoxOverlap, IsRightWhereBoxesGraze) {
   std::minstd_rand random(5);
   const test::Body body = test::body_named("star");
-  const BoxedMesh mesh{*body.shape, 1, 0.01};
+  const BoxedMesh mesh{body.shape->simple(), 1, 0.01};
   const std::vector<Box> all = boxes(mesh);
   for (int i = 0; i < 40; ++i) {
     Eigen::Isometry3d b_to_a = pose(random, 1);
@@ -93,9 +94,10 @@ TEST(BulletBoxOverlap, IsAssumedWithoutFineMeshOrNumbers) {
   const test::Body body = test::body_named("star"), cages(test::without_fine(body.sample));
   Eigen::Isometry3d far = Eigen::Isometry3d::Identity();
   far.translation().x() = 100;
-  const BoxedMesh mesh{*body.shape, 1, 0}, infinite{*body.shape, 1, std::numeric_limits<double>::infinity()};
+  const BoxedMesh mesh{body.shape->simple(), 1, 0},
+      infinite{body.shape->simple(), 1, std::numeric_limits<double>::infinity()};
   EXPECT_FALSE(boxes_may_overlap(mesh, mesh, far, 0));
-  EXPECT_TRUE(boxes_may_overlap(mesh, {*cages.shape, 1, 0}, far, 0));
+  EXPECT_TRUE(boxes_may_overlap(mesh, {cages.shape->simple(), 1, 0}, far, 0));
   EXPECT_TRUE(boxes_may_overlap(mesh, infinite, far, 0));
   far.translation().x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(boxes_may_overlap(mesh, mesh, far, 0));

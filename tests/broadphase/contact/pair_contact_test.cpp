@@ -402,8 +402,8 @@ TEST(FirstContact, DoesNotAllocate) {
     contacts += ask(scene).has_value();
     contacts += first_contact(*scene.a.shape, scene.motion_a, HalfSpace{}).has_value();
     contacts += separated(*scene.a.shape, scene.motion_a, *scene.b.shape, scene.motion_b).separated;
-    contacts += !for_each_candidate(*scene.a.shape, scene.motion_a, *scene.b.shape, scene.motion_b, 0.1,
-                                    [](TrianglePair) { return false; });
+    contacts += !for_each_triangle_pair(*scene.a.shape, scene.motion_a, *scene.b.shape, scene.motion_b, 0.1,
+                                        [](TrianglePair) { return false; });
   }
   EXPECT_EQ(allocations, before);
   EXPECT_GT(contacts, 100);

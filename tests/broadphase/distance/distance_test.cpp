@@ -360,6 +360,13 @@ TEST(Distance, CompoundsAreAsNearAsTheirNearestParts) {
       ask(*box.shape, at, *compound, Pose::Identity(), {.hint = {found.triangle_b, found.triangle_a}});
   EXPECT_EQ(part_triangle(*compound, other.triangle_b).part, 2);
   EXPECT_LE(other.lower, found.upper);
+  constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
+  const DistanceResult unhinted = ask(*box.shape, at, *compound, Pose::Identity());
+  for (const TrianglePair hint : {TrianglePair{0, least}, TrianglePair{least, 0}, TrianglePair{least, least}}) {
+    const DistanceResult same = ask(*box.shape, at, *compound, Pose::Identity(), {.hint = hint});
+    EXPECT_EQ(same.lower, unhinted.lower);  // the sanitizer sees whether the hint overflows
+    EXPECT_EQ(same.upper, unhinted.upper);
+  }
   const double cages = bound(*compound, Pose::Identity(), *box.shape, at, {.finest_cage = 0});
   EXPECT_LE(cages, 2.5);
   EXPECT_GT(cages, 2);

@@ -101,5 +101,16 @@ TEST_F(BodyBoxes, NothingIsProvenOfWhatIsNotFinite) {
   EXPECT_FALSE(box_beyond(Box(Vector::Zero(), Vector::Ones()), floor, std::nan("")));
 }
 
+TEST(BoxesApart, IsEuclidean) {
+  const Eigen::AlignedBox3d a(Vector(0, 0, 0), Vector(1, 1, 1)), b(Vector(4, 5, 0), Vector(5, 6, 1));
+  EXPECT_TRUE(boxes_apart(a, b, 4.999999));
+  EXPECT_TRUE(boxes_apart(b, a, 4.999999));
+  EXPECT_FALSE(boxes_apart(a, b, 5));
+  EXPECT_FALSE(boxes_apart(a, a, 0));
+  EXPECT_FALSE(boxes_apart(a, {Vector(1, 0, 0), Vector(2, 1, 1)}, 0)) << "touching";
+  EXPECT_FALSE(boxes_apart(a, Eigen::AlignedBox3d(), 0)) << "an empty box proves nothing";
+  EXPECT_TRUE(boxes_apart(a, {Vector(std::nextafter(1.0, 2.0), 0, 0), Vector(2, 1, 1)}, 0));
+}
+
 }  // namespace
 }  // namespace encage::test

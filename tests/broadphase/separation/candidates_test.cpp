@@ -29,7 +29,7 @@ using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
 Pairs candidates(const Body& a, const Motion& motion_a, const Body& b, const Motion& motion_b, double margin) {
   Pairs pairs;
-  EXPECT_TRUE(for_each_candidate(*a.shape, motion_a, *b.shape, motion_b, margin, [&](TrianglePair pair) {
+  EXPECT_TRUE(for_each_triangle_pair(*a.shape, motion_a, *b.shape, motion_b, margin, [&](TrianglePair pair) {
     pairs.emplace_back(pair.a, pair.b);
     return true;
   }));
@@ -91,8 +91,8 @@ TEST(Candidates, StopWhenAskedTo) {
   const Motion rest = Motion::resting(Pose::Identity());
   for (const int stop_after : {1, 5}) {
     int calls = 0;
-    EXPECT_FALSE(for_each_candidate(*box.shape, rest, *box.shape, rest, 0.1,
-                                    [&](TrianglePair) { return ++calls < stop_after; }));
+    EXPECT_FALSE(for_each_triangle_pair(*box.shape, rest, *box.shape, rest, 0.1,
+                                        [&](TrianglePair) { return ++calls < stop_after; }));
     EXPECT_EQ(calls, stop_after);
   }
   // The same pairs in the same order every time.
@@ -122,7 +122,8 @@ TEST(Candidates, AreAllPairsOfUnusableMotions) {
   turned.end.linear() = Vector(-1, -1, 1).asDiagonal();
   EXPECT_EQ(count(turned, 0), 144U);
   int calls = 0;
-  EXPECT_FALSE(for_each_candidate(*box.shape, rest, *box.shape, turned, 0, [&](TrianglePair) { return ++calls < 3; }));
+  EXPECT_FALSE(
+      for_each_triangle_pair(*box.shape, rest, *box.shape, turned, 0, [&](TrianglePair) { return ++calls < 3; }));
   EXPECT_EQ(calls, 3);
 }
 
@@ -171,8 +172,8 @@ TEST(Candidates, AreFoundOnSheetsThatAreFlatAcrossAnAxis) {
              {Motion::resting(pose), Motion{pose, Pose(Eigen::Translation3d(0, 0, 0.01) * pose)}}) {
           const Motion still = Motion::resting(Pose::Identity());
           EXPECT_FALSE(separated(*flat, still, *sphere, motion).separated) << across << " " << radius << " " << turn;
-          EXPECT_FALSE(for_each_candidate(*flat, still, *sphere, motion, 0, [](TrianglePair) { return false; }));
-          EXPECT_FALSE(for_each_candidate(*sphere, motion, *flat, still, 0, [](TrianglePair) { return false; }));
+          EXPECT_FALSE(for_each_triangle_pair(*flat, still, *sphere, motion, 0, [](TrianglePair) { return false; }));
+          EXPECT_FALSE(for_each_triangle_pair(*sphere, motion, *flat, still, 0, [](TrianglePair) { return false; }));
         }
       }
     }

@@ -31,7 +31,7 @@ TEST(Containment, AgreesWithExactWindingNumbers) {
       const ExactBody probe(Vector::Zero(), shapes::box(p, p), Eigen::Isometry3d::Identity());
       if (surfaces_meet(exact, probe, 1e-9)) continue;
       const int number = winding_number(exact, p);
-      const Side side = locate(shape->fine, p);
+      const Side side = locate(shape->simple().fine, p);
       ++asked;
       inside += number != 0;
       unknown += side == Side::unknown;
@@ -55,7 +55,7 @@ TEST(Containment, RaysThroughEdgesAndVerticesDecideNothing) {
       const Vector vertex = s.hierarchy.fine.corner(t, 0);
       const Vector middle = 0.5 * (vertex + s.hierarchy.fine.corner(t, 1));
       for (const Vector& target : {vertex, middle}) {
-        for (const Ray& ray : rays) {
+        for (const WindingRay& ray : rays) {
           Vector direction;
           direction[ray.axis] = 1;
           direction[(ray.axis + 1) % 3] = ray.slope1;
@@ -64,7 +64,7 @@ TEST(Containment, RaysThroughEdgesAndVerticesDecideNothing) {
             const Vector p = target - length * direction;
             const ExactBody probe(Vector::Zero(), shapes::box(p, p), Eigen::Isometry3d::Identity());
             if (surfaces_meet(exact, probe, 1e-9)) continue;
-            const Side side = locate(shape->fine, p);
+            const Side side = locate(shape->simple().fine, p);
             ++asked;
             unknown += side == Side::unknown;
             if (side != Side::unknown) {
@@ -83,7 +83,7 @@ TEST(Containment, PointsOnTheSurfaceAreNotOutside) {
   const Sample box = sample_shapes(0)[1];
   const ShapePtr shape = make_shape(box.hierarchy);
   for (const Vector& p : {Vector(1, 0.25, 0.125), Vector(1, 1, 1), Vector(-1, 0, -1), Vector(0.3, -1, 0.9)}) {
-    EXPECT_NE(locate(shape->fine, p), Side::outside) << p.transpose();
+    EXPECT_NE(locate(shape->simple().fine, p), Side::outside) << p.transpose();
   }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "broadphase/shape/compound.h"
 
-#include "broadphase/motion/frame.h"
 #include "oracles/body.h"
 #include "oracles/count_allocations.h"
 #include "oracles/exact_pair.h"
@@ -97,7 +96,7 @@ TEST(Compounds, PartsAreWhereTheirPlacesSay) {
     Motion motion = groups.motion(true);
     motion.start.translation() *= i % 2 == 0 ? 1 : 1e6;
     for (std::size_t p = 0; p < group.parts.size(); ++p) {
-      const MovingPart part = moving_part(*group.shape, p, motion);
+      const MovingPart part = moving_part(group.shape->compound(), p, motion);
       const CompoundPart& given = group.parts[p];
       for (int k = 0; k < 4; ++k) {
         const Vector x = group.bodies[p]->origin() + groups.random.point(1);
@@ -164,31 +163,31 @@ TEST(Compounds, CandidatesAndContactsAreThoseOfTheParts) {
     const Motion motion_a = groups.motion(i % 2 == 0), motion_b = groups.motion(i % 3 == 0);
     const double margin = groups.random.coin() ? 0 : groups.random.uniform(0, 0.1);
     std::set<std::pair<std::int32_t, std::int32_t>> found, expected;
-    for_each_candidate(*a.shape, motion_a, *b.shape, motion_b, margin, [&](TrianglePair pair) {
+    for_each_triangle_pair(*a.shape, motion_a, *b.shape, motion_b, margin, [&](TrianglePair pair) {
       EXPECT_TRUE(found.emplace(pair.a, pair.b).second);
       return true;
     });
     std::optional<Contact> first;
     PairContact all(*a.shape, motion_a, *b.shape, motion_b, {.margin = margin});
     for (std::size_t p = 0; p < a.parts.size(); ++p) {
-      const MovingPart part_a = moving_part(*a.shape, p, motion_a);
+      const MovingPart part_a = moving_part(a.shape->compound(), p, motion_a);
       for (std::size_t q = 0; q < b.parts.size(); ++q) {
-        const MovingPart part_b = moving_part(*b.shape, q, motion_b);
+        const MovingPart part_b = moving_part(b.shape->compound(), q, motion_b);
         const double part_margin = margin + part_a.slack + part_b.slack;
-        for_each_candidate(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion, part_margin,
-                           [&](TrianglePair t) {
-                             expected.emplace(part_a.first_triangle + t.a, part_b.first_triangle + t.b);
-                             all.test(part_a.first_triangle + t.a, part_b.first_triangle + t.b);
-                             return true;
-                           });
+        for_each_triangle_pair(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion, part_margin,
+                               [&](TrianglePair t) {
+                                 expected.emplace(part_a.first_triangle + t.a, part_b.first_triangle + t.b);
+                                 all.test(part_a.first_triangle + t.a, part_b.first_triangle + t.b);
+                                 return true;
+                               });
       }
     }
     EXPECT_EQ(found, expected);
     candidates += static_cast<int>(found.size());
     for (const auto& [ta, tb] : found) {
       const PartTriangle part = part_triangle(*a.shape, ta);
-      EXPECT_EQ(ta,
-                moving_part(*a.shape, static_cast<std::size_t>(part.part), motion_a).first_triangle + part.triangle);
+      EXPECT_EQ(ta, moving_part(a.shape->compound(), static_cast<std::size_t>(part.part), motion_a).first_triangle +
+                        part.triangle);
     }
     first = first_contact(*a.shape, motion_a, *b.shape, motion_b, {.margin = margin});
     ASSERT_EQ(first.has_value(), all.first().has_value());
@@ -276,7 +275,7 @@ TEST(Compounds, PlacesThatCancelInNestsCountInFull) {
   const CompoundPart inner[] = {{cube, there}};
   const CompoundPart outer[] = {{make_compound(inner), back}};
   const ShapePtr nest = make_compound(outer);
-  const MovingPart part = moving_part(*nest, 0, Motion::resting(Pose::Identity()));
+  const MovingPart part = moving_part(nest->compound(), 0, Motion::resting(Pose::Identity()));
   double farthest = 0;
   for (const Vector& corner : {Vector(1, 1, 1), Vector(-1, 1, -1), Vector(1, -1, -1), Vector(-1, -1, 1)}) {
     const LongVector moved =
@@ -393,6 +392,9 @@ TEST(Compounds, BadInputNamesThePart) {
   Pose sheared = Pose::Identity();
   sheared.linear()(0, 1) = 1e-10;
   EXPECT_EQ(message({cube, sheared}), "part 1: the pose is not finite, beyond 1e150 or farther than 1e-12 from rigid");
+  Pose mirrored = Pose::Identity();
+  mirrored.linear()(0, 0) = -1;
+  EXPECT_EQ(message({cube, mirrored}), "part 1: the pose mirrors it");
   EXPECT_THROW(make_compound({}), Error);
 }
 

@@ -61,11 +61,12 @@ void expect_same(const Surface& a, const Surface& b) {
   EXPECT_EQ(a.upper, b.upper);
 }
 
-void expect_same(const Shape& a, const Shape& b) {
-  EXPECT_EQ(a.origin, b.origin);
+void expect_same(const Shape& shape_a, const Shape& shape_b) {
+  const SimpleShape &a = shape_a.simple(), &b = shape_b.simple();
+  EXPECT_EQ(a.frame.origin, b.frame.origin);
   EXPECT_EQ(a.solid, b.solid);
   EXPECT_EQ(a.fine_error, b.fine_error);
-  EXPECT_EQ(a.radius, b.radius);
+  EXPECT_EQ(a.frame.radius, b.frame.radius);
   ASSERT_EQ(a.cages.size(), b.cages.size());
   for (std::size_t k = 0; k < a.cages.size(); ++k) expect_same(a.cages[k], b.cages[k]);
   expect_same(a.fine, b.fine);
@@ -77,8 +78,8 @@ std::vector<double> answers(const Shape& shape, int rounds = 20) {
   std::vector<double> all;
   for (int i = 0; i < rounds; ++i) {
     const auto about_origin = [&](Motion motion) {
-      motion.start.translation() -= motion.start.linear() * shape.origin;
-      motion.end.translation() -= motion.end.linear() * shape.origin;
+      motion.start.translation() -= motion.start.linear() * shape.simple().frame.origin;
+      motion.end.translation() -= motion.end.linear() * shape.simple().frame.origin;
       return motion;
     };
     const Motion a = about_origin(random_motion(random, random_pose(random, 2), 0.5, 0.5));
@@ -89,12 +90,12 @@ std::vector<double> answers(const Shape& shape, int rounds = 20) {
     all.insert(all.end(), {double(verdict.separated), double(verdict.stage), double(verdict.level)});
     all.push_back(separated(shape, a, HalfSpace{.offset = -1}).separated);
     double candidates = 0;
-    for_each_candidate(shape, a, shape, b, 0.01, [&](TrianglePair pair) {
+    for_each_triangle_pair(shape, a, shape, b, 0.01, [&](TrianglePair pair) {
       candidates = candidates * 1.25 + pair.a + 3 * pair.b;
       return candidates < 1e100;
     });
     all.push_back(candidates);
-    if (shape.fine.empty()) continue;
+    if (shape.simple().fine.empty()) continue;
     for (const auto& contact : {first_contact(shape, a, shape, b), first_contact(shape, a, HalfSpace{.offset = -1})}) {
       all.push_back(contact ? contact->time + 10 * contact->vertices[0] + 100 * contact->vertices[3] : -1);
     }
@@ -118,23 +119,23 @@ TEST(LoadShape, IsTheShapeMadeOfTheHierarchy) {
     expect_same(*loaded, *made);
     EXPECT_EQ(answers(*loaded), answers(*made));
     // In place: nothing is built or copied.
-    EXPECT_TRUE(loaded->owned_arrays.empty());
-    EXPECT_TRUE(loaded->asset.has_value());
-    EXPECT_FALSE(loaded->asset->has_description());  // the index was enough
-    const AssetSection* nodes = loaded->asset->find_section("cage 1 boxes");
-    EXPECT_EQ(static_cast<const void*>(loaded->cages[0].tree.nodes.data()), nodes->bytes.data());
+    EXPECT_TRUE(loaded->simple().owned_arrays.empty());
+    EXPECT_TRUE(loaded->simple().asset.has_value());
+    EXPECT_FALSE(loaded->simple().asset->has_description());  // the index was enough
+    const AssetSection* nodes = loaded->simple().asset->find_section("cage 1 boxes");
+    EXPECT_EQ(static_cast<const void*>(loaded->simple().cages[0].tree.nodes.data()), nodes->bytes.data());
   }
 }
 
 TEST(LoadShape, ReadsAssetsFromBeforeItsTreesWereStored) {
   const std::string data = ENCAGE_TEST_DATA;
   const ShapePtr recent = load_shape(data + "/asset_v1_boxes.glb");
-  EXPECT_TRUE(recent->asset.has_value());
-  EXPECT_TRUE(recent->asset->has_description());  // no index
+  EXPECT_TRUE(recent->simple().asset.has_value());
+  EXPECT_TRUE(recent->simple().asset->has_description());  // no index
   expect_same(*recent, *make_shape(sample_hierarchy()));
   for (const char* before : {"/asset_v1.glb", "/asset_v1_trees.glb"}) {
     const ShapePtr old = load_shape(data + before);
-    EXPECT_FALSE(old->asset.has_value()) << before;
+    EXPECT_FALSE(old->simple().asset.has_value()) << before;
     expect_same(*old, *recent);
     EXPECT_EQ(answers(*old), answers(*recent)) << before;
   }

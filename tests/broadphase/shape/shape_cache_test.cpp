@@ -27,7 +27,7 @@ std::vector<double> answers(const Shape& a, const Motion& motion_a, const Shape&
   for (const double margin : {0.0, 0.05}) {
     const Verdict verdict = separated(a, motion_a, b, motion_b, margin);
     all.insert(all.end(), {double(verdict.separated), double(verdict.stage), double(verdict.level)});
-    for_each_candidate(a, motion_a, b, motion_b, margin, [&](TrianglePair pair) {
+    for_each_triangle_pair(a, motion_a, b, motion_b, margin, [&](TrianglePair pair) {
       all.insert(all.end(), {double(pair.a), double(pair.b)});
       return all.size() < 200;
     });
@@ -138,13 +138,13 @@ TEST(ShapeCaches, ShapesAnswerLikeThoseOfPlainLoads) {
     EXPECT_GE(arc_margin(da, q.motion_a), arc_margin(a, q.motion_a));
     const bool apart = separated(a, q.motion_a, b, q.motion_b, PairOptions{.cages = CageUse::always}).separated;
     ++(apart ? separate : touching);
-    const bool solid = a.solid != Solid::surface_only && b.solid != Solid::surface_only;
+    const bool solid = a.simple().solid != Solid::surface_only && b.simple().solid != Solid::surface_only;
     const Verdict verdict = separated(da, q.motion_a, db, q.motion_b);
     // The interior of a surface is bounded by its cage, not by its own box.
     EXPECT_TRUE(solid ? verdict.separated == apart : apart || !verdict.separated);
     const auto triangles = [&](const Shape& x, const Shape& y) {
       std::vector<std::pair<int, int>> found;
-      for_each_candidate(x, q.motion_a, y, q.motion_b, 0, [&](TrianglePair pair) {
+      for_each_triangle_pair(x, q.motion_a, y, q.motion_b, 0, [&](TrianglePair pair) {
         found.emplace_back(pair.a, pair.b);
         return true;
       });
@@ -185,7 +185,7 @@ TEST(ShapeCaches, WhatCagesProveNeedsNoFineMesh) {
     before = cache.statistics().faults;
     const Verdict verdict = separated(a, q.motion_a, b, q.motion_b);
     const bool needed = !verdict.separated || verdict.stage == Stage::fine;
-    if (a.solid == Solid::surface_only || b.solid == Solid::surface_only || needed) continue;
+    if (a.simple().solid == Solid::surface_only || b.simple().solid == Solid::surface_only || needed) continue;
     EXPECT_EQ(cache.statistics().faults, before);
   }
   EXPECT_GT(cache.statistics().faults, 0);
@@ -200,11 +200,11 @@ TEST(ShapeCaches, ReadAssetsFromBeforeTreesWereStored) {
     for (const Question& q : questions(1, 20)) {
       Motion a = q.motion_a, b = q.motion_b;
       for (Motion* m : {&a, &b})
-        m->start.translation() -= m->start.linear() * old->origin,
-            m->end.translation() -= m->end.linear() * old->origin;
+        m->start.translation() -= m->start.linear() * old->simple().frame.origin,
+            m->end.translation() -= m->end.linear() * old->simple().frame.origin;
       EXPECT_EQ(answers(*old, a, *old, b), answers(*recent, a, *recent, b));
       cache.clear();
-      EXPECT_TRUE(old->fine.empty());
+      EXPECT_TRUE(old->simple().fine.empty());
       EXPECT_EQ(cache.statistics().resident_bytes, 0);
     }
   }
@@ -332,7 +332,7 @@ void expect_failure(const ShapePtr& shape, const std::string& message) {
   const HalfSpace plane{.offset = 1000};
   EXPECT_FALSE(separated(*shape, rest, plane).separated);
   const auto nothing = [](TrianglePair) { return true; };
-  EXPECT_EQ(error_of([&] { for_each_candidate(*shape, rest, *shape, rest, 0, nothing); }), message);
+  EXPECT_EQ(error_of([&] { for_each_triangle_pair(*shape, rest, *shape, rest, 0, nothing); }), message);
   EXPECT_EQ(error_of([&] { first_contact(*shape, rest, *shape, rest); }), message);
   EXPECT_EQ(error_of([&] { first_contact(*shape, rest, plane); }), message);
   EXPECT_EQ(error_of([&] { PairContact contact(*shape, rest, *shape, rest); }), message);
@@ -519,7 +519,7 @@ TEST(ShapeCaches, CallbacksMayAsk) {
   const std::vector<ShapePtr> shapes = load_all(cache, equal.files);
   const Motion rest = Motion::resting(Eigen::Isometry3d::Identity());
   int outer = 0;
-  for_each_candidate(*shapes[0], rest, *shapes[1], rest, 0, [&](TrianglePair) {
+  for_each_triangle_pair(*shapes[0], rest, *shapes[1], rest, 0, [&](TrianglePair) {
     EXPECT_TRUE(first_contact(*shapes[2], rest, *shapes[3], rest).has_value());
     return ++outer < 10;
   });
@@ -537,7 +537,7 @@ TEST(ShapeCaches, ResidentMeshesAreAskedWithoutAllocations) {
     int found = 0;
     const auto ask = [&] {
       found += separated(*shapes[0], rest, *shapes[1], rest).separated ? 0 : 1;
-      for_each_candidate(*shapes[0], rest, *shapes[1], rest, 0, [&](TrianglePair) { return ++found > 0; });
+      for_each_triangle_pair(*shapes[0], rest, *shapes[1], rest, 0, [&](TrianglePair) { return ++found > 0; });
       found += first_contact(*shapes[0], rest, *shapes[1], rest).has_value() ? 1 : 0;
       found += separated(*shapes[0], rest, HalfSpace{.offset = 1000}).separated ? 0 : 1;
     };

@@ -45,9 +45,9 @@ TEST(Shape, CountsItsLevels) {
   const ShapePtr shape = make_shape(hierarchy());
   EXPECT_EQ(level_count(*shape), 2);
   EXPECT_EQ(level_triangles(*shape, 0), 4);
-  EXPECT_EQ(shape->fine.parts.size(), 1u);
-  EXPECT_TRUE(shape->fine.closed);
-  EXPECT_GE(shape->cages[1].radius, 2 * std::sqrt(3.0));
+  EXPECT_EQ(shape->simple().fine.parts.size(), 1u);
+  EXPECT_TRUE(shape->simple().fine.closed);
+  EXPECT_GE(shape->simple().cages[1].radius, 2 * std::sqrt(3.0));
 }
 
 TEST(Shape, RefusesMalformedHierarchies) {

@@ -29,6 +29,8 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
   Pose nan = shift(0), infinite = shift(infinity), stretched = shift(0), distant = shift(1e160), turned = shift(0);
   nan.linear()(1, 2) = std::nan("");
   stretched.linear()(1, 1) = 1 + 1e-8;
+  Eigen::Isometry3d mirrored = Eigen::Isometry3d::Identity();
+  mirrored.linear()(2, 2) = -1;
   turned.linear() = Eigen::AngleAxisd(std::acos(-1.0), Vector(1, 2, 3).normalized()).toRotationMatrix();
   const auto no_visit = [](const CandidatePair&) { FAIL(); };
   struct Case {
@@ -49,6 +51,11 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
        "body 2 (generation 1): the margin inf is larger than 1e150"},
       {[&] { world.set_pose(body, nan); }, "body 0: the pose is not finite"},
       {[&] { world.set_pose(body, stretched); }, "body 0: the pose is farther than 1e-9 from rigid"},
+      {[&] { world.add_body(shape, mirrored); }, "body 2 (generation 1): the pose mirrors the body"},
+      {[&] {
+         world.set_motion(body, {shift(0), mirrored});
+       },
+       "body 0: the end pose mirrors the body"},
       {[&] {
          world.set_motion(body, {shift(0), nan});
        },

@@ -318,7 +318,7 @@ TEST(WorldThreads, SeparatedIsReEntrant) {
     const Motion rest;
     const Verdict v = separated(*q.a, rest, *q.b, q.motion, q.margin);
     Reply r{v.separated, v.stage, v.level, {}};
-    for_each_candidate(*q.a, rest, *q.b, q.motion, q.margin, [&](TrianglePair t) {
+    for_each_triangle_pair(*q.a, rest, *q.b, q.motion, q.margin, [&](TrianglePair t) {
       r.triangles.push_back({t.a, t.b});
       return true;
     });

@@ -241,7 +241,7 @@ TEST(Worlds, TrianglesAreThoseOfForEachCandidate) {
       return;
     }
     ++pairs;
-    for_each_candidate(*shape, world.motion(pair.a), *shape, world.motion(pair.b), 0.05, [&](TrianglePair t) {
+    for_each_triangle_pair(*shape, world.motion(pair.a), *shape, world.motion(pair.b), 0.05, [&](TrianglePair t) {
       expected.emplace_back(t.a, t.b);
       return true;
     });

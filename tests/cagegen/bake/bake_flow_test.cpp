@@ -301,18 +301,18 @@ class Floor : public CageEnergy {
   std::string name() const override { return "floor"; }
   double value(const EnergyState& state) const override {
     ++calls;
-    return volume_->value(state) + kWeight * (state.cage.col(2).array() + 1).min(0).square().sum();
+    return volume_->value(state) + energy_weight * (state.cage.col(2).array() + 1).min(0).square().sum();
   }
   Vertices gradient(const EnergyState& state) const override {
     Vertices g = volume_->gradient(state);
-    g.col(2).array() += 2 * kWeight * (state.cage.col(2).array() + 1).min(0);
+    g.col(2).array() += 2 * energy_weight * (state.cage.col(2).array() + 1).min(0);
     return g;
   }
 
   mutable std::atomic<int> calls = 0;
 
  private:
-  static constexpr double kWeight = 30;
+  static constexpr double energy_weight = 30;
   EnergyPtr volume_ = volume_energy();
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "oracles/meshes.h"
 #include "tests/cagegen/bake/certified.h"
+#include "tests/cagegen/io/shapes.h"
 
 #include <encage/asset.h>
 #include <encage/bake.h>
@@ -15,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -307,10 +309,12 @@ TEST(Bake, TimeLimit) {
   EXPECT_TRUE(cut.truncated);
   EXPECT_EQ(cut.levels.size(), 1u);
   expect_certified(cut, source);
-  options.time_limit = 1e6;
-  const CageHierarchy whole = bake(source, options, {});
-  EXPECT_FALSE(whole.truncated);
-  EXPECT_EQ(whole.levels.size(), 3u);
+  for (const double limit : {1e6, 1e10, 1e300, std::numeric_limits<double>::infinity()}) {
+    options.time_limit = limit;
+    const CageHierarchy whole = bake(source, options, {});
+    EXPECT_FALSE(whole.truncated) << limit;
+    EXPECT_EQ(whole.levels.size(), 3u) << limit;
+  }
 }
 
 TEST(Bake, SkippedLevelsAreLogged) {
@@ -379,9 +383,37 @@ TEST(Bake, RefusesBadOptions) {
     EXPECT_NE(with([&](BakeOptions& o) { o.min_clearance = clearance; }).find("clearance"), std::string::npos);
   }
   EXPECT_NE(with([](BakeOptions& o) { o.threads = -1; }).find("-1 threads"), std::string::npos);
-  for (const double limit : {-1.0, 0.0, std::nan("")}) {
+  for (const double limit : {-1.0, 0.0, std::nan(""), -std::numeric_limits<double>::infinity()}) {
     EXPECT_NE(with([&](BakeOptions& o) { o.time_limit = limit; }).find("time limit"), std::string::npos);
   }
+}
+
+TEST(WriteCertifiedAsset, WritesWhatWasCertified) {
+  const test::Folder folder;
+  const CageHierarchy cages = bake(sphere(3), with_faces({100, 30}, 1));
+  write_certified_asset(folder / "a.glb", cages);
+  const CageHierarchy back = read_asset(folder / "a.glb", Verify::all);
+  ASSERT_EQ(back.levels.size(), 2u);
+  EXPECT_EQ(back.levels[1].mesh.vertices, cages.levels[1].mesh.vertices);
+  write_asset(folder / "b.glb", cages);
+  EXPECT_EQ(test::bytes_of(folder / "a.glb"), test::bytes_of(folder / "b.glb"));
+  EXPECT_EQ(folder.file_count(), 2u);
+}
+
+TEST(WriteCertifiedAsset, KeepsTheOldFileIfWhatIsReadBackDiffers) {
+  const test::Folder folder;
+  const std::filesystem::path file = folder.write("a.glb", "precious");
+  CageHierarchy cages = bake(sphere(3), with_faces({100}, 1));
+  cages.levels[0].mesh.vertices(5, 1) += 1e-12;  // no float
+  try {
+    write_certified_asset(file, cages);
+    FAIL() << "the cage written is not the one certified";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(file.string() + ": ", 0), 0u) << error.what();
+  }
+  EXPECT_THROW(write_certified_asset(folder / "missing" / "a.glb", cages), Error);
+  EXPECT_EQ(test::bytes_of(file), "precious");
+  EXPECT_EQ(folder.file_count(), 1u);
 }
 
 }  // namespace

@@ -17,17 +17,17 @@ namespace {
 
 using shapes::Random;
 
-constexpr double kClearance = 1e-4;
+constexpr double test_clearance = 1e-4;
 
 EditorOptions options(double quadric_weight) {
   EditorOptions result;
-  result.clearance = result.self_clearance = kClearance;
+  result.clearance = result.self_clearance = test_clearance;
   result.quadric_weight = quadric_weight;
   return result;
 }
 
 TriangleMesh around(const Obstacle& obstacle, const TriangleMesh& mesh) {
-  const auto cage = offset_start(obstacle, mesh, 0.01, false, kClearance);
+  const auto cage = offset_start(obstacle, mesh, 0.01, false, test_clearance);
   EXPECT_TRUE(cage);
   return cage.value_or(mesh);
 }
@@ -35,7 +35,7 @@ TriangleMesh around(const Obstacle& obstacle, const TriangleMesh& mesh) {
 void expect_valid(const TriangleMesh& inner, const TriangleMesh& cage) {
   const CertifyResult proof = certify(inner, Solid::closed, cage);
   ASSERT_TRUE(proof.holds) << proof.reason;
-  EXPECT_GE(proof.certificate.clearance, kClearance * (1 - 1e-6));
+  EXPECT_GE(proof.certificate.clearance, test_clearance * (1 - 1e-6));
   EXPECT_EQ(cage.vertices, shapes::rounded(cage).vertices);
 }
 
@@ -44,8 +44,8 @@ std::vector<TriangleMesh> solids() {
           shapes::joined(shapes::sphere(2), shapes::scaled(shapes::moved(shapes::cube(0.5), {4, 0, 0}), 0.5))};
 }
 
-/// What merging or moving the vertices `from` into p costs: the volume between the old triangles at
-/// them and the new ones, and the area-weighted squares of p's distances from the old planes.
+/// What merging or moving the vertices `from` into p costs: the volume between the old triangles at them and the new
+/// ones, and the area-weighted squares of p's distances from the old planes.
 double quadric_error(const CageEditor& cage, const std::vector<std::int32_t>& from, const Point& p, double weight) {
   const TriangleMesh mesh = cage.extract();
   std::vector<std::int32_t> number;  // of the extracted vertices, in the editor
@@ -149,8 +149,8 @@ TEST(CageEditor, LinkCondition) {
 }
 
 TEST(CageEditor, NeverSweepsPastAComponent) {
-  // A cage component around a tiny tetrahedron: no planned edit may leave it outside, whatever is
-  // between its cage and where the vertices go.
+  // A cage component around a tiny tetrahedron: no planned edit may leave it outside, whatever is between its cage and
+  // where the vertices go.
   const TriangleMesh inner = shapes::joined(shapes::sphere(2), shapes::tetrahedron(1e-3, {3, 3, 3}));
   const Obstacle obstacle(inner);
   const TriangleMesh cage =

@@ -13,11 +13,11 @@ namespace {
 
 using shapes::Nested;
 using shapes::Random;
-using Places = ContactSolver::Places;
+using Positions = ContactSolver::Positions;
 
 /// Of all sizes: trembling, shrinking, mirrored, scattered, one vertex only.
-Places random_places(Random& random, const Places& places, double size) {
-  Places wanted = places;
+Positions random_places(Random& random, const Positions& positions, double size) {
+  Positions wanted = positions;
   const int kind = random.integer(6);
   const Point shift = random.point(size);
   const double factor = random(-1.5, 1.5);
@@ -26,7 +26,7 @@ Places random_places(Random& random, const Places& places, double size) {
     if (kind == 1) p *= factor;
     if (kind == 2) p = shift;
     if (kind >= 3 && kind < 5) p += random.point(size);
-    if (kind == 4 && random.integer(3) > 0) p = places[&p - wanted.data()];
+    if (kind == 4 && random.integer(3) > 0) p = positions[&p - wanted.data()];
   }
   if (kind == 5) wanted[random.integer(static_cast<int>(wanted.size()))] += random.point(size);
   return wanted;
@@ -42,15 +42,15 @@ int expect_valid_walk(const Nested& scene, double size, std::uint32_t seed, int 
   int moved = 0;
   for (int step = 0; step < steps; ++step) {
     const TriangleMesh before = solver.mesh();
-    const Places next = solver.approach(obstacle, random_places(random, solver.places(), size));
-    EXPECT_EQ(solver.places(), shapes::places(before)) << "not before commit()";
+    const Positions next = solver.approach(obstacle, random_places(random, solver.positions(), size));
+    EXPECT_EQ(solver.positions(), shapes::positions(before)) << "not before commit()";
     const TriangleMesh after = shapes::at(scene.cage, next);
     shapes::expect_all_apart(scene.inner, after, before, self_clearance);
     // A surface may have been passed as a whole: that is encloses_all()'s to say.
     if (!solver.encloses_all(obstacle, next)) continue;
     shapes::expect_certified(scene.inner, after);
     if (testing::Test::HasFailure()) return moved;
-    moved += next != solver.places();
+    moved += next != solver.positions();
     // One not taken in between must leave no trace.
     if (random.integer(3) > 0) solver.commit(next);
   }
@@ -82,12 +82,12 @@ TEST(Approach, NoNumberLeavesAVertexWhereItIs) {
   const Obstacle obstacle(scene.inner);
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     ContactSolver solver(scene.cage, shapes::contact_options());
-    Places wanted = solver.places();
+    Positions wanted = solver.positions();
     for (Point& p : wanted) p *= 0.9;
     wanted[5].y() = bad;
-    const Places next = solver.approach(obstacle, wanted);
-    EXPECT_EQ(next[5], solver.places()[5]);
-    EXPECT_NE(next, solver.places()) << "others go on";
+    const Positions next = solver.approach(obstacle, wanted);
+    EXPECT_EQ(next[5], solver.positions()[5]);
+    EXPECT_NE(next, solver.positions()) << "others go on";
     shapes::expect_certified(scene.inner, shapes::at(scene.cage, next));
   }
 }
@@ -96,9 +96,9 @@ TEST(Approach, WhatIsFreeIsReached) {
   const Nested scene = shapes::nested()[0];
   const Obstacle obstacle(scene.inner);
   ContactSolver solver(scene.cage, shapes::contact_options());
-  const Places wanted = shapes::places(shapes::rounded(shapes::scaled(scene.cage, 1.3)));
+  const Positions wanted = shapes::positions(shapes::rounded(shapes::scaled(scene.cage, 1.3)));
   EXPECT_EQ(solver.approach(obstacle, wanted), wanted);
-  EXPECT_EQ(solver.approach(obstacle, solver.places()), solver.places());
+  EXPECT_EQ(solver.approach(obstacle, solver.positions()), solver.positions());
 }
 
 TEST(Approach, StopsAtTheObstacle) {
@@ -106,10 +106,10 @@ TEST(Approach, StopsAtTheObstacle) {
   const TriangleMesh inner = shapes::cube(0.5);
   ContactSolver solver(shapes::cube(1), shapes::contact_options());
   const Obstacle obstacle(inner);
-  solver.commit(solver.approach(obstacle, shapes::places(shapes::cube(0.5))));
+  solver.commit(solver.approach(obstacle, shapes::positions(shapes::cube(0.5))));
   shapes::expect_certified(inner, solver.mesh());
-  for (const Point& p : solver.places()) {
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(std::abs(p[k]), 0.5 + 1.6 * shapes::kClearance, shapes::kClearance);
+  for (const Point& p : solver.positions()) {
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(std::abs(p[k]), 0.5 + 1.6 * shapes::test_clearance, shapes::test_clearance);
   }
 }
 
@@ -119,11 +119,11 @@ TEST(Approach, AComponentIsNotPassed) {
   const TriangleMesh cage = shapes::cube(1);
   const Obstacle obstacle(inner);
   ContactSolver solver(cage, shapes::contact_options());
-  Places wanted = solver.places();
+  Positions wanted = solver.positions();
   for (Point& p : wanted) p *= 0.7;
-  const Places jumped = wanted;
+  const Positions jumped = wanted;
   EXPECT_FALSE(solver.encloses_all(obstacle, jumped));
-  EXPECT_TRUE(solver.encloses_all(obstacle, solver.places()));
+  EXPECT_TRUE(solver.encloses_all(obstacle, solver.positions()));
   EXPECT_FALSE(certify(inner, Solid::closed, shapes::at(cage, jumped)).holds);
 }
 
@@ -132,12 +132,12 @@ TEST(Approach, AComponentOfTheCageDoesNotSwallowAnother) {
   const TriangleMesh cage = shapes::joined(shapes::cube(1), shapes::cube(0.25, {2, 0, 0}));
   const Obstacle obstacle(inner);
   const ContactSolver start(cage, shapes::contact_options());
-  Places wanted = start.places();
+  Positions wanted = start.positions();
   for (std::size_t v = 0; v < 8; ++v) {
     if (wanted[v].x() > 0) wanted[v].x() = 3;
   }
   ContactSolver solver = start;
-  const Places next = solver.approach(obstacle, wanted);
+  const Positions next = solver.approach(obstacle, wanted);
   EXPECT_EQ(next, wanted) << "nothing touches";
   EXPECT_FALSE(certify(inner, Solid::closed, shapes::at(cage, next)).holds);
   EXPECT_FALSE(solver.encloses_all(obstacle, next));
@@ -152,20 +152,20 @@ TEST(Approach, AStateNotTakenLeavesNoTrace) {
   const TriangleMesh cage = shapes::joined(shapes::cube(0.5), shapes::cube(0.5, {3, 0, 0}));
   const Obstacle obstacle(inner);
   ContactSolver solver(cage, shapes::contact_options());
-  Places away = solver.places();
+  Positions away = solver.positions();
   for (std::size_t v = 8; v < 16; ++v) away[v].x() += away[v].x() > 3 ? 6 : 5.5;
   solver.approach(obstacle, away);
-  Places into = solver.places();
+  Positions into = solver.positions();
   for (std::size_t v = 0; v < 8; ++v) {
     if (into[v].x() > 0) into[v].x() = 2.75;
   }
-  const Places next = solver.approach(obstacle, into);
+  const Positions next = solver.approach(obstacle, into);
   shapes::expect_certified(inner, shapes::at(cage, next));
 }
 
 TEST(Approach, AVertexKeepsItsConeAlsoWhereAFaceRests) {
-  // A pyramid over a convex hexagon, whose two last corners are drawn in until the hexagon is seen whole from no
-  // point: the tip would lose its cone, though some of its faces never move.
+  // A pyramid over a convex hexagon, whose two last corners are drawn in until the hexagon is seen whole from no point:
+  // the tip would lose its cone, though some of its faces never move.
   const auto pyramid = [](double in) {
     return shapes::mesh(
         {{3, 3, 4},
@@ -186,26 +186,26 @@ TEST(Approach, AVertexKeepsItsConeAlsoWhereAFaceRests) {
   for (std::int64_t t = 0; t < 6; ++t) normals.push_back(Prism(shapes::corners(folded, t)).normal);
   ASSERT_FALSE(common_direction(normals));
   ContactSolver solver(cage, shapes::contact_options());
-  EXPECT_EQ(solver.approach(Obstacle(inner), shapes::places(folded)), solver.places());
+  EXPECT_EQ(solver.approach(Obstacle(inner), shapes::positions(folded)), solver.positions());
   // Less of it is allowed.
   const TriangleMesh bent = shapes::rounded(pyramid(0.3));
-  EXPECT_EQ(solver.approach(Obstacle(inner), shapes::places(bent)), shapes::places(bent));
+  EXPECT_EQ(solver.approach(Obstacle(inner), shapes::positions(bent)), shapes::positions(bent));
 }
 
 TEST(Approach, TheSameForAnyNumberOfThreads) {
   const TriangleMesh inner = shapes::scaled(shapes::torus(1, 0.3, 40, 20), 0.97);
   const TriangleMesh cage = shapes::rounded(shapes::torus(1, 0.4, 36, 18));
   const Obstacle obstacle(inner);
-  std::vector<Places> first;
+  std::vector<Positions> first;
   for (const int threads : {1, 2, 3}) {
     Random random(11);
     ContactSolver solver(cage, shapes::contact_options(threads));
-    std::vector<Places> path;
+    std::vector<Positions> path;
     for (int step = 0; step < 5; ++step) {
-      Places wanted = solver.places();
+      Positions wanted = solver.positions();
       for (Point& p : wanted) p = 0.97 * p + random.point(0.05);
       solver.commit(solver.approach(obstacle, wanted));
-      path.push_back(solver.places());
+      path.push_back(solver.positions());
     }
     if (first.empty()) first = path;
     EXPECT_EQ(path, first);
@@ -217,7 +217,7 @@ TEST(Approach, CheckMayStopIt) {
   ContactOptions options = shapes::contact_options();
   options.check = [] { throw std::runtime_error("stop"); };
   ContactSolver solver(scene.cage, options);
-  EXPECT_THROW(solver.approach(Obstacle(scene.inner), solver.places()), std::runtime_error);
+  EXPECT_THROW(solver.approach(Obstacle(scene.inner), solver.positions()), std::runtime_error);
 }
 
 TEST(ContactSolver, WorkGrows) {
@@ -227,9 +227,9 @@ TEST(ContactSolver, WorkGrows) {
   EXPECT_EQ(solver.work(), 0);
   const auto faces = static_cast<std::int64_t>(solver.face_count());
   ASSERT_EQ(faces, scene.cage.triangles.rows());
-  solver.approach(obstacle, solver.places());
+  solver.approach(obstacle, solver.positions());
   EXPECT_EQ(solver.work(), 0) << "nothing moves";
-  Places wanted = solver.places();
+  Positions wanted = solver.positions();
   for (Point& p : wanted) p *= 1.1;
   solver.approach(obstacle, wanted);
   EXPECT_EQ(solver.work(), faces);

@@ -10,9 +10,9 @@ namespace encage::makers {
 namespace {
 
 using shapes::Random;
-using Places = ContactSolver::Places;
+using Positions = ContactSolver::Positions;
 
-constexpr double kReach = 40 * shapes::kClearance;
+constexpr double step_reach = 40 * shapes::test_clearance;
 
 /// Moves `inner` from where the cage is valid to `target` in equal steps; expects every accepted state to be proven.
 /// Returns the steps taken before one had no solution.
@@ -24,8 +24,8 @@ int follow_all(ContactSolver& solver, const TriangleMesh& inner, const Vertices&
     place.vertices = inner.vertices + (target - inner.vertices) * (static_cast<double>(step) / steps);
     after.move(place.vertices);
     const TriangleMesh start = solver.mesh();
-    const auto next = solver.follow(before, after, solver.places(), reach);
-    EXPECT_EQ(solver.places(), shapes::places(start)) << "not before commit()";
+    const auto next = solver.follow(before, after, solver.positions(), reach);
+    EXPECT_EQ(solver.positions(), shapes::positions(start)) << "not before commit()";
     if (!next) return step - 1;
     const TriangleMesh cage = shapes::at(start, *next);
     shapes::expect_all_apart(place, cage, start, solver.options().self_clearance);
@@ -40,10 +40,10 @@ int follow_all(ContactSolver& solver, const TriangleMesh& inner, const Vertices&
 TEST(Follow, AGrowingSphereWidensItsCage) {
   const TriangleMesh inner = shapes::scaled(shapes::sphere(2), 0.7);
   const TriangleMesh cage = shapes::rounded(shapes::sphere(1));
-  for (const double reach : {0.0, kReach}) {
+  for (const double reach : {0.0, step_reach}) {
     ContactSolver solver(cage, shapes::contact_options());
     ASSERT_EQ(follow_all(solver, inner, Vertices(1.6 * inner.vertices), reach > 0 ? 20 : 4, reach), reach > 0 ? 20 : 4);
-    for (const Point& p : solver.places()) EXPECT_GT(p.norm(), 1.12);
+    for (const Point& p : solver.positions()) EXPECT_GT(p.norm(), 1.12);
     EXPECT_LT(signed_volume(solver.mesh()), 8 * 1.6);
   }
 }
@@ -51,10 +51,10 @@ TEST(Follow, AGrowingSphereWidensItsCage) {
 TEST(Follow, WhatIsNotMetDoesNotMove) {
   const TriangleMesh inner = shapes::scaled(shapes::sphere(2), 0.3);
   ContactSolver solver(shapes::rounded(shapes::sphere(2)), shapes::contact_options());
-  const Places start = solver.places();
+  const Positions start = solver.positions();
   const Vertices grown = 2 * inner.vertices;
   EXPECT_EQ(follow_all(solver, inner, grown, 3, 0), 3);
-  EXPECT_EQ(solver.places(), start);
+  EXPECT_EQ(solver.positions(), start);
 }
 
 TEST(Follow, ASpikePushesAndDoesNotTunnel) {
@@ -71,7 +71,7 @@ TEST(Follow, ASpikePushesAndDoesNotTunnel) {
     ASSERT_TRUE(taken == steps || steps == 1);
     if (taken < steps) continue;
     double highest = 0;
-    for (const Point& p : solver.places()) highest = std::max(highest, p.dot(direction));
+    for (const Point& p : solver.positions()) highest = std::max(highest, p.dot(direction));
     EXPECT_GT(highest, 2.5);
   }
 }
@@ -87,7 +87,7 @@ TEST(Follow, AComponentThatJumpsOutIsNoticed) {
   gone.vertices = target;
   const Obstacle after(gone);
   ContactSolver solver(shapes::cube(1), shapes::contact_options());
-  const auto next = solver.follow(before, after, solver.places());
+  const auto next = solver.follow(before, after, solver.positions());
   ASSERT_TRUE(next);
   EXPECT_FALSE(certify(gone, Solid::closed, shapes::at(solver.mesh(), *next)).holds);
 }
@@ -100,8 +100,8 @@ TEST(Follow, ShortStepsDoNotLetAComponentJump) {
   EXPECT_EQ(follow_all(solver, inner, target, 20, 0), 20);
 }
 
-/// Two plates far apart, each moving onto the cage's wall between them: the inner sides of a cage of the shape of a
-/// U, whose strands have no room in the end.
+/// Two plates far apart, each moving onto the cage's wall between them: the inner sides of a cage of the shape of a U,
+/// whose strands have no room in the end.
 struct Pinch {
   TriangleMesh inner;
   TriangleMesh cage;
@@ -115,13 +115,13 @@ Pinch pinch() {
   p.inner = shapes::joined(shapes::cube(0.5), shapes::cube(0.5, shift));
   p.cage = shapes::rounded(shapes::joined(shapes::cube(0.54), shapes::cube(0.54, shift)));
   p.target = p.inner.vertices;
-  p.target.bottomRows(8).col(0).array() -= 0.2 - 1.5 * shapes::kClearance;
+  p.target.bottomRows(8).col(0).array() -= 0.2 - 1.5 * shapes::test_clearance;
   return p;
 }
 
 TEST(Follow, APinchHasNoSolutionAndIsNamed) {
   const Pinch p = pinch();
-  for (const double reach : {0.0, kReach}) {
+  for (const double reach : {0.0, step_reach}) {
     for (const int steps : {1, 4, 40}) {
       ContactSolver solver(p.cage, shapes::contact_options());
       const int taken = follow_all(solver, p.inner, p.target, steps, reach);
@@ -142,7 +142,7 @@ TEST(Follow, RoomForBothStrandsIsFound) {
   Pinch p = pinch();
   // 8 clearances from each other, of which the contacts ask for 3 x 1.6.
   p.target = p.inner.vertices;
-  p.target.bottomRows(8).col(0).array() -= 0.2 - 8 * shapes::kClearance;
+  p.target.bottomRows(8).col(0).array() -= 0.2 - 8 * shapes::test_clearance;
   ContactSolver solver(p.cage, shapes::contact_options());
   EXPECT_EQ(follow_all(solver, p.inner, p.target, 10, 0), 10);
 }
@@ -157,7 +157,7 @@ TEST(Follow, RandomMotions) {
       Vertices target = scene.inner.vertices;
       const double size = seed % 2 ? 0.02 : 0.15;
       for (std::int64_t v = 0; v < target.rows(); ++v) target.row(v) += random.point(size).transpose();
-      total += follow_all(solver, scene.inner, target, 4, seed % 3 == 0 ? kReach : 0);
+      total += follow_all(solver, scene.inner, target, 4, seed % 3 == 0 ? step_reach : 0);
       if (HasFailure()) return;
     }
   }
@@ -169,13 +169,13 @@ TEST(Follow, TheSameForAnyNumberOfThreads) {
   const TriangleMesh cage = shapes::rounded(shapes::torus(1, 0.3, 24, 14));
   Vertices target = inner.vertices;
   target.col(2) *= 1.8;
-  for (const double reach : {0.0, kReach}) {
-    Places first;
+  for (const double reach : {0.0, step_reach}) {
+    Positions first;
     for (const int threads : {1, 2, 3}) {
       ContactSolver solver(cage, shapes::contact_options(threads));
       EXPECT_EQ(follow_all(solver, inner, target, 4, reach), 4);
-      if (first.empty()) first = solver.places();
-      EXPECT_EQ(solver.places(), first);
+      if (first.empty()) first = solver.positions();
+      EXPECT_EQ(solver.positions(), first);
     }
   }
 }

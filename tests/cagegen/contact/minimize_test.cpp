@@ -15,20 +15,20 @@
 namespace encage::makers {
 namespace {
 
-constexpr double kClearance = 1e-4;
+constexpr double test_clearance = 1e-4;
 
 ContactOptions options(
     int threads, std::function<void()> check = [] {}) {
-  return {kClearance, kClearance, threads, std::move(check)};
+  return {test_clearance, test_clearance, threads, std::move(check)};
 }
 
 void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double most) {
   const Obstacle obstacle(solid);
-  ASSERT_TRUE(clear(obstacle, cage, kClearance));
+  ASSERT_TRUE(clear(obstacle, cage, test_clearance));
   const TriangleMesh first = shrink(obstacle, cage, options(1));
   const CertifyResult proof = certify(solid, Solid::closed, first);
   ASSERT_TRUE(proof.holds) << proof.reason;
-  EXPECT_GE(proof.certificate.clearance, 0.999 * kClearance);
+  EXPECT_GE(proof.certificate.clearance, 0.999 * test_clearance);
   EXPECT_LE(signed_volume(first), signed_volume(cage));
   EXPECT_LE(signed_volume(first), most);
   EXPECT_EQ(first.triangles, cage.triangles);
@@ -37,7 +37,7 @@ void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double 
 }
 
 TriangleMesh inflated(const TriangleMesh& solid, double height) {
-  const auto cage = offset_start(Obstacle(solid), solid, height, false, kClearance);
+  const auto cage = offset_start(Obstacle(solid), solid, height, false, test_clearance);
   EXPECT_TRUE(cage);
   return cage.value_or(solid);
 }
@@ -53,7 +53,7 @@ TEST(Shrink, CoarseCages) {
   const TriangleMesh torus = shapes::torus(1, 0.35, 40, 20);
   const Obstacle obstacle(torus);
   EditorOptions options;
-  options.clearance = options.self_clearance = kClearance;
+  options.clearance = options.self_clearance = test_clearance;
   CageEditor editor(obstacle, inflated(torus, 0.01), options);
   CollapseLimits limits;
   limits.faces = 320;
@@ -76,7 +76,7 @@ TEST(Shrink, CheckMayStopIt) {
   EXPECT_THROW(shrink(Obstacle(sphere), cage, options(2, stop)), std::runtime_error);
 }
 
-/// Draws the cage to a place of its own in one direction: nothing that the built-in energies do.
+/// Draws the cage to a position of its own in one direction: nothing that the built-in energies do.
 class Sideways final : public CageEnergy {
   std::string name() const override { return "sideways"; }
   double value(const EnergyState& state) const override { return state.cage.col(0).sum(); }

@@ -16,10 +16,10 @@
 // Cages around obstacles, and what is expected of where contacts leave them.
 namespace encage::makers::shapes {
 
-constexpr double kClearance = 1e-3;
+constexpr double test_clearance = 1e-3;
 
-inline ContactOptions contact_options(int threads = 1, double self_clearance = kClearance) {
-  return {kClearance, self_clearance, threads, [] {}};
+inline ContactOptions contact_options(int threads = 1, double self_clearance = test_clearance) {
+  return {test_clearance, self_clearance, threads, [] {}};
 }
 
 struct Nested {
@@ -64,15 +64,15 @@ inline std::vector<Nested> nested() {
           {"box in a tetrahedron", cube(0.2, {0.5, 0.5, 0.5}), rounded(tetrahedron(3))}};
 }
 
-inline ContactSolver::Places places(const TriangleMesh& mesh) {
-  ContactSolver::Places result;
+inline ContactSolver::Positions positions(const TriangleMesh& mesh) {
+  ContactSolver::Positions result;
   for (std::int64_t v = 0; v < mesh.vertices.rows(); ++v) result.push_back(mesh.vertices.row(v).transpose());
   return result;
 }
 
-inline TriangleMesh at(TriangleMesh cage, const ContactSolver::Places& places) {
-  for (std::size_t v = 0; v < places.size(); ++v) {
-    cage.vertices.row(static_cast<std::int64_t>(v)) = places[v].transpose();
+inline TriangleMesh at(TriangleMesh cage, const ContactSolver::Positions& positions) {
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    cage.vertices.row(static_cast<std::int64_t>(v)) = positions[v].transpose();
   }
   return cage;
 }
@@ -92,7 +92,7 @@ inline void expect_all_apart(const TriangleMesh& inner, const TriangleMesh& cage
   for (std::int64_t s = 0; s < cage.triangles.rows(); ++s) {
     const Corners mine = corners(cage, s);
     for (std::int64_t t = 0; t < inner.triangles.rows(); ++t) {
-      EXPECT_TRUE(keep(mine, corners(inner, t), kClearance)) << "face " << s << " and triangle " << t;
+      EXPECT_TRUE(keep(mine, corners(inner, t), test_clearance)) << "face " << s << " and triangle " << t;
     }
     for (std::int64_t t = 0; t < s; ++t) {
       const Corners theirs = corners(cage, t);
@@ -109,7 +109,7 @@ inline void expect_all_apart(const TriangleMesh& inner, const TriangleMesh& cage
 inline void expect_certified(const TriangleMesh& inner, const TriangleMesh& cage) {
   const CertifyResult proof = certify(inner, Solid::closed, cage);
   ASSERT_TRUE(proof.holds) << proof.reason;
-  EXPECT_GE(proof.certificate.clearance, 0.999 * kClearance);
+  EXPECT_GE(proof.certificate.clearance, 0.999 * test_clearance);
   EXPECT_EQ(cage.vertices, rounded(cage).vertices) << "not float32";
 }
 

@@ -22,7 +22,7 @@ Vertices displaced(Random& random, const Vertices& vertices, double by) {
   return result;
 }
 
-/// Everything that an energy may look at, each at a place of its own.
+/// Everything that an energy may look at, each at a position of its own.
 struct Scene {
   TriangleMesh fine;
   TriangleMesh rest;

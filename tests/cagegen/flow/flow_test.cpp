@@ -15,14 +15,14 @@
 namespace encage::makers {
 namespace {
 
-constexpr double kGap = 1e-3;
+constexpr double part_gap = 1e-3;
 
 FlowRequest request(const TriangleMesh& fine, const TriangleMesh& coarse) {
   FlowRequest result;
   result.fine = &fine;
   result.coarse = &coarse;
   result.diagonal = bounds(fine).diagonal().norm();
-  result.gap = kGap;
+  result.gap = part_gap;
   return result;
 }
 
@@ -33,7 +33,7 @@ void expect_inside(const TriangleMesh& fine, const TriangleMesh& coarse) {
   const SignedDistance surface(coarse);
   for (std::int64_t s = 0; s < fine.triangles.rows(); ++s) {
     for (std::int64_t t = 0; t < coarse.triangles.rows(); ++t) {
-      ASSERT_GT(proof::separate(shapes::corners(fine, s), shapes::corners(coarse, t)).lower, 0.999 * kGap) << s;
+      ASSERT_GT(proof::separate(shapes::corners(fine, s), shapes::corners(coarse, t)).lower, 0.999 * part_gap) << s;
     }
     for (int k = 0; k < 3; ++k) ASSERT_LT(surface.nearest(fine.corner(s, k)).distance, 0) << s;
   }
@@ -120,7 +120,7 @@ TEST(Flow, MovesNothingThatIsInside) {
 
 TEST(Flow, KeepsTheGapEvenWhereNothingTouches) {
   const TriangleMesh fine = shapes::cube(1);
-  const TriangleMesh coarse = shapes::cube(1 + kGap / 2);
+  const TriangleMesh coarse = shapes::cube(1 + part_gap / 2);
   const FlowResult result = flow(request(fine, coarse));
   EXPECT_TRUE(result.inside);
   EXPECT_GT(result.history.steps(), 0);
@@ -194,7 +194,7 @@ TEST(Flow, StallsWithATipInTheWrongArm) {
     const Corners s = shapes::corners(at(fine, result.positions), t);
     bool touches = false;
     for (std::int64_t c = 0; c < coarse.triangles.rows(); ++c) {
-      touches = touches || proof::separate(s, shapes::corners(coarse, c)).lower <= kGap;
+      touches = touches || proof::separate(s, shapes::corners(coarse, c)).lower <= part_gap;
     }
     EXPECT_TRUE(touches);
   }

@@ -30,7 +30,7 @@ std::array<double, 3> distances(const SignedDistance& surface, const Corners& t)
 TEST(Quadrature, IntegratesQuadraticPolynomialsExactly) {
   const Corners t{Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0)};
   double one = 0, x = 0, xx = 0, xy = 0;
-  for (const auto& lambda : kQuadrature) {
+  for (const auto& lambda : quadrature_weights) {
     const Point p = lambda[0] * t[0] + lambda[1] * t[1] + lambda[2] * t[2];
     one += 1.0 / 6;
     x += p.x() / 6;

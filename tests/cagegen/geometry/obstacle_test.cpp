@@ -236,7 +236,7 @@ TEST(Obstacle, MoveIsAsGoodAsNew) {
       for (int i = 0; i < 60; ++i) {
         const Prism prism = random_prism(random, centre);
         const double clearance = std::pow(10.0, random(-6, -0.5));
-        // Their numbers differ: compare places.
+        // Their numbers differ: compare positions.
         const auto hits = [&](const Obstacle& obstacle) {
           std::vector<std::int32_t> found;
           obstacle.hits(prism, clearance, obstacle.size(), found);

@@ -191,7 +191,7 @@ TEST(TrianglesSeparated, ByIndices) {
   EXPECT_TRUE(separated({0, 1, 2}, s, {3, 4, 5}, above, 0.5));
   EXPECT_FALSE(separated({0, 1, 2}, s, {3, 4, 5}, above, 1.5));
   EXPECT_FALSE(separated({0, 1, 2}, s, {2, 1, 0}, {s[2], s[1], s[0]}, 0)) << "all corners shared";
-  // One corner, in every place.
+  // One corner, at every index.
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       std::array<std::int32_t, 3> index{3, 4, 5};
@@ -208,7 +208,7 @@ TEST(TrianglesSeparated, ByIndices) {
       }
     }
   }
-  // One edge, in every place: open, and folded back onto the triangle.
+  // One edge, at every index: open, and folded back onto the triangle.
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const int a = (i + 1) % 3, b = (i + 2) % 3;

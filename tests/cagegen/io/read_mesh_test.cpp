@@ -343,6 +343,37 @@ TEST(ReadGltf, RefusesMalformedFiles) {
             "the extension KHR_draco_mesh_compression is not supported");
 }
 
+TEST(ReadGltf, ReadsNodesNestedAsDeepAsTheyAre) {
+  constexpr int depth = 200000;
+  std::string nodes = R"("scenes":[{"nodes":[0]}],"nodes":[)";
+  for (int n = 1; n < depth; ++n) nodes += R"({"children":[)" + std::to_string(n) + R"(],"translation":[1,0,0]},)";
+  const PolygonMesh mesh = read("a.gltf", gltf(nodes + R"({"mesh":0}])", indexed));
+  ASSERT_EQ(mesh.vertices.rows(), 6);
+  EXPECT_EQ(mesh.vertices(0, 0), depth - 1);
+}
+
+TEST(ReadGltf, VisitsChildrenInOrder) {
+  const PolygonMesh mesh = read("a.gltf", gltf(R"("scenes":[{"nodes":[0,3]}],"nodes":[{"children":[1,2]},)"
+                                               R"({"mesh":0,"translation":[1,0,0]},{"mesh":0,"translation":[2,0,0]},)"
+                                               R"({"mesh":0,"translation":[3,0,0]}])",
+                                               indexed));
+  ASSERT_EQ(mesh.vertices.rows(), 18);
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(mesh.vertices(6 * n, 0), n + 1);
+}
+
+TEST(ReadGltf, RefusesDeepJson) {
+  const std::string brackets = std::string(1000000, '[') + std::string(1000000, ']');
+  for (const char* member : {"extras", "extensions"}) {
+    std::string json = R"("nodes":[{"mesh":0}],")" + std::string(member) + R"(":{"a":)" + brackets + "}";
+    EXPECT_EQ(refusal("a.gltf", gltf(json, indexed)), "JSON nested deeper than 64 levels");
+  }
+  std::string json = R"({"asset":{"version":"2.0"},"extras":)" + brackets + "}";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto size = static_cast<std::uint32_t>(json.size());
+  EXPECT_EQ(refusal("a.glb", "glTF" + raw<std::uint32_t>({2, 20 + size, size}) + "JSON" + json),
+            "JSON nested deeper than 64 levels");
+}
+
 // ---- Any -------------------------------------------------------------------
 
 TEST(ReadPolygonMesh, RefusesWhatItCannotOpen) {

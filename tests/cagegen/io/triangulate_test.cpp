@@ -79,8 +79,8 @@ TEST(Triangulate, MakesNoDegenerateTrianglesAtStraightCorners) {
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) EXPECT_GT(vector_area(mesh, t).z(), 0) << t;
 }
 
-/// Every side of the triangulation is either a side of the polygon, once, or a chord, once
-/// in each direction, whatever the polygon looks like: a closed mesh stays closed.
+/// Every side of the triangulation is either a side of the polygon, once, or a chord, once in each direction, whatever
+/// the polygon looks like: a closed mesh stays closed.
 TEST(Triangulate, KeepsTheBorderOfAnyPolygon) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> coordinate(0, 3);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/certify/exact.h"
 #include "tests/cagegen/io/shapes.h"
 
 #include <encage/bake.h>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,11 +32,7 @@ constexpr double pi = 3.14159265358979323846;
 Place place(const Eigen::Vector3d& p) { return {p[0], p[1], p[2]}; }
 
 bool is_degenerate(const TriangleMesh& mesh, std::int64_t t) {
-  const auto corner = [&](int k) {
-    const Eigen::Vector3d p = mesh.corner(t, k);
-    return CGAL::Exact_predicates_inexact_constructions_kernel::Point_3(p[0], p[1], p[2]);
-  };
-  return CGAL::collinear(corner(0), corner(1), corner(2));
+  return proof::degenerate({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
 }
 
 /// By maps of edges and vertices: every edge once in each direction, every link one cycle.
@@ -373,8 +369,8 @@ TEST(Sanitize, KeepsASpikeOfSeveralTriangles) {
 }
 
 TEST(Sanitize, KeepsTheSurfaceClosedWhereNoFlipHelps) {
-  // Both sides of the edge from 0 to 1 are split, at different points; two collinear
-  // triangles fill the seam and have each other across their longest side.
+  // Both sides of the edge from 0 to 1 are split, at different points; two collinear triangles fill the seam and have
+  // each other across their longest side.
   TriangleMesh input = with_vertex(with_vertex(box(), {.5, 0, 0}), {.25, 0, 0});
   input = without_triangles(without_triangles(input, 4, 1), 1, 1);
   input = with_triangles(input, {{0, 8, 5}, {8, 1, 5}, {0, 3, 9}, {9, 3, 1}, {0, 1, 8}, {1, 0, 9}});

@@ -125,7 +125,7 @@ class CandidatePairs : public PairKind {
  private:
   template <class Visit>
   static bool visit(const Scene& scene, Visit&& call) {
-    return for_each_candidate(*scene.a->shape, scene.motion_a, *scene.b->shape, scene.motion_b, scene.margin, call);
+    return for_each_triangle_pair(*scene.a->shape, scene.motion_a, *scene.b->shape, scene.motion_b, scene.margin, call);
   }
 
   static void compare(const MovingTruth& truth, const std::vector<bool>& known, Outcome& outcome, const Scene& scene) {

@@ -55,7 +55,7 @@ Outcome ask_pair(const PairKind& kind, std::uint64_t salt, std::uint64_t seed, s
 std::unique_ptr<PairKind> resting_pairs();       ///< separated() at rest
 std::unique_ptr<PairKind> moving_pairs();        ///< separated() during a step
 std::unique_ptr<PairKind> world_pairs();         ///< World::find_candidates()
-std::unique_ptr<PairKind> candidate_pairs();     ///< for_each_candidate(), at rest and during a step
+std::unique_ptr<PairKind> candidate_pairs();     ///< for_each_triangle_pair(), at rest and during a step
 std::unique_ptr<PairKind> contact_pairs();       ///< first_contact()
 std::unique_ptr<PairKind> plane_pairs();         ///< separated() and first_contact() of a half-space
 std::unique_ptr<PairKind> gate_pairs();          ///< BoxGate

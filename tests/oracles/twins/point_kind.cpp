@@ -26,7 +26,7 @@ class Points : public PairKind {
     const unsigned level = random.below(static_cast<unsigned>(levels.size()) + 1);
     const bool fine = level == levels.size();
     const TriangleMesh& mesh = fine ? body.sample.hierarchy.fine : levels[level].mesh;
-    const Surface& surface = fine ? body.shape->fine : body.shape->cages[level];
+    const Surface& surface = fine ? body.shape->simple().fine : body.shape->simple().cages[level];
     if (surface.empty() || !surface.closed) return {};
     const Vector p = point(random, body, mesh);
 
@@ -59,7 +59,7 @@ class Points : public PairKind {
                random.direction() * std::pow(10.0, -random.uniform(1, 16)) * size;
       }
       default: {
-        const Ray& ray = rays[random.below(rays.size())];
+        const WindingRay& ray = rays[random.below(rays.size())];
         Vector direction;
         direction[ray.axis] = 1;
         direction[(ray.axis + 1) % 3] = ray.slope1;

@@ -6,6 +6,8 @@
 #include "src/asset/rules.h"
 #include "src/files/hash.h"
 
+#include <encage/error.h>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>

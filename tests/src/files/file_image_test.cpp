@@ -6,10 +6,13 @@
 #include <encage/error.h>
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -91,6 +94,26 @@ TEST(FileImage, a_map_finds_discarded_bytes_in_the_file) {
   FileImage image(file.path(), LoadMode::map);
   image.discard(image.bytes());
   EXPECT_EQ(text(image), pages());
+}
+
+TEST(FileImage, leaves_memory_of_others_alone) {
+  const TemporaryFile file;
+  write_bytes(file.path(), pages());
+  const auto size = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  void* const memory = mmap(nullptr, 2 * size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  std::memset(memory, 'x', 2 * size);
+  const std::span foreign(static_cast<const std::byte*>(memory), 2 * size);
+  for (const LoadMode mode : {LoadMode::map, LoadMode::copy}) {
+    FileImage image(file.path(), mode);
+    image.fetch(image.bytes());
+    image.discard(foreign);
+    image.fetch(foreign);
+    FileImage().discard(foreign);
+    EXPECT_EQ(std::string(static_cast<const char*>(memory), 2 * size), std::string(2 * size, 'x'));
+    EXPECT_EQ(text(image), pages());
+  }
+  munmap(memory, 2 * size);
 }
 
 TEST(FileImage, a_copy_survives_what_becomes_of_the_file) {

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/motion/pose.h"
+#include "broadphase/shape/compound.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace encage {
+
+double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3d& pivot) noexcept {
+  if (motion.start.linear() == motion.end.linear()) return 0;
+  // The Frobenius norm of R1 - R0 is sqrt(8) sin(angle/2).
+  const double departure = departure_from_rigid(motion.start.linear()) + departure_from_rigid(motion.end.linear());
+  const double norm = (motion.end.linear() - motion.start.linear()).norm() + 2 * departure;
+  const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
+  const double cosine = std::sqrt((1 - sine) * (1 + sine));
+  // 1 - cos = sin^2 / (1 + cos) avoids cancellation.
+  double radius = 0;
+  for_each_part(shape, Motion{.scale = 1}, [&](const MovingPart& part) {
+    const SimpleShape& of = *part.shape;
+    const Eigen::Vector3d origin = Placement(part.motion.start, part.motion.scale).origin(of.frame);
+    radius = std::max(radius, part.motion.scale * of.outer().radius + of.error_in_world(part.motion.scale) +
+                                  (origin - pivot).norm() + part.slack);
+    return true;
+  });
+  radius *= motion.scale;
+  return radius * (sine * sine / (1 + cosine)) * (1 + 1e-8);
+}
+
+}  // namespace encage

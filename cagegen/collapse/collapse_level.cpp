@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/collapse/collapse_level.h"
+
+#include "cagegen/collapse/cage_editor.h"
+#include "cagegen/collapse/collapse.h"
+#include "cagegen/collapse/starts.h"
+#include "cagegen/contact/minimize.h"
+#include "cagegen/threads/parallel.h"
+
+#include <encage/error.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace encage::makers {
+
+namespace {
+
+// Decided by experiment on octopus, fandisk, elephant and armadillo.
+constexpr double collapse_quadric_weight = 10;
+constexpr double offset_height = 2e-4;                   // height of an offset start, diagonals
+constexpr std::uint64_t work_per_level = 2'000'000'000;  // triangle tests of one candidate
+constexpr double explosion_factor = 20;                  // a candidate may grow to so many times its start
+
+struct Start {
+  enum class Kind { decimate, wrap, hull } kind;
+  double parameter = 0;  ///< faces relative to the target, or diagonals relative to alpha
+  double fallback = 0;   ///< of a decimation that fails: a wrap's parameter, 0 for none
+};
+
+using Phase = std::vector<Start>;
+
+/// What to try: all starts of a phase compete; the next phase only runs if none came through.
+std::vector<Phase> portfolio(const LevelRequest& request) {
+  using Kind = Start::Kind;
+  const bool decimates = request.manifold && request.topology != Topology::simplify;
+  std::vector<Phase> phases;
+  const auto add = [&](Phase decimations, Phase wraps) {
+    Phase phase;
+    if (decimates) phase = std::move(decimations);
+    if (request.topology != Topology::keep) phase.insert(phase.end(), wraps.begin(), wraps.end());
+    if (!phase.empty()) phases.push_back(std::move(phase));
+  };
+  const double finest = request.faces >= 4000 ? 100 : 50;
+  // Alpha wraps with several times the target's faces; their number goes with the square of the parameter.
+  const double fine_wrap = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 32;
+  const double fallback = request.topology == Topology::keep ? 0 : fine_wrap;
+  if (request.faces >= 1500) {
+    add({{Kind::decimate, 2, fallback}}, decimates ? Phase{} : Phase{{Kind::wrap, finest}});
+    add({}, {{Kind::wrap, 50}, {Kind::wrap, 20}});
+  } else if (request.faces >= 300) {
+    add({{Kind::decimate, 4, fallback}},
+        decimates ? Phase{{Kind::wrap, 20}} : Phase{{Kind::wrap, 50}, {Kind::wrap, 20}});
+    add({}, {{Kind::wrap, 10}, {Kind::wrap, 5}});
+  } else {
+    add({{Kind::decimate, 8, request.faces >= 150 ? fallback : 0}},
+        {{Kind::wrap, 20}, {Kind::wrap, 10}, {Kind::wrap, 5}});
+    add({}, {{Kind::wrap, 50}});
+  }
+  if (request.topology != Topology::keep) phases.push_back({{Kind::hull, 0}});
+  return phases;
+}
+
+std::string name(const Start& start) {
+  switch (start.kind) {
+    case Start::Kind::decimate: return "decimate";
+    case Start::Kind::wrap: return "wrap/" + std::to_string(static_cast<int>(start.parameter));
+    case Start::Kind::hull: return "hull";
+  }
+  return {};
+}
+
+std::optional<TriangleMesh> make_decimation(double parameter, const Obstacle& obstacle, const LevelRequest& request) {
+  const TriangleMesh& clean = *request.clean;
+  const double height = offset_height * request.diagonal;
+  const double available = static_cast<double>(clean.triangles.rows());
+  // Coarse decimations fold or cut through more often: then a finer one.
+  double faces = parameter * static_cast<double>(request.faces);
+  for (int attempt = 0; attempt < 3 && faces < 0.8 * available; ++attempt) {
+    auto cage =
+        offset_start(obstacle, simplify(clean, static_cast<std::int64_t>(faces)), height, true, request.clearance);
+    if (cage) return cage;
+    faces *= 1.5;
+  }
+  if (available > 2 * faces) return std::nullopt;
+  auto cage = offset_start(obstacle, clean, height / 2, false, request.clearance);
+  return cage ? cage : offset_start(obstacle, clean, height, true, request.clearance);
+}
+
+/// Makes the start, or its fallback, which then replaces it.
+std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, const LevelRequest& request) {
+  if (start.kind == Start::Kind::hull) return hull_start(obstacle, *request.clean, request.clearance);
+  if (start.kind == Start::Kind::decimate) {
+    auto cage = make_decimation(start.parameter, obstacle, request);
+    if (cage || start.fallback == 0) return cage;
+    start = {Start::Kind::wrap, start.fallback};
+  }
+  const double alpha = request.diagonal / start.parameter;
+  return wrap_start(obstacle, *request.clean, alpha, alpha * wrap_offset, request.clearance);
+}
+
+EditorOptions editor_options(const LevelRequest& request) {
+  EditorOptions options;
+  options.clearance = request.clearance;
+  options.self_clearance = self_clearances * request.clearance;
+  options.quadric_weight = collapse_quadric_weight;
+  return options;
+}
+
+std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelRequest& request, Control& control,
+                             const std::function<void(double)>& progress) {
+  auto cage = make_start(start, obstacle, request);
+  if (!cage) return std::nullopt;
+  *cage = outermost_components(*cage);
+  const double volume = signed_volume(*cage);
+  CageEditor editor(obstacle, *cage, editor_options(request));
+  CollapseLimits limits;
+  limits.faces = request.faces;
+  limits.added_volume = explosion_factor * volume;
+  limits.work = work_per_level;
+  limits.progress = [&](double fraction) {
+    control.throw_if_cancelled();
+    progress(fraction);
+  };
+  limits.progress(0);
+  if (editor.face_count() > request.faces) tighten(editor);
+  bool reached = collapse_edges(editor, limits);
+  if (!reached && start.kind != Start::Kind::hull) {
+    // Flat sheets have vertices without a cone of outward directions; there the condition must go.
+    EditorOptions options = editor.options();
+    options.keep_cones = false;
+    editor.set_options(options);
+    reached = collapse_edges(editor, limits);
+  }
+  if (!reached && start.kind != Start::Kind::hull) return std::nullopt;
+  tighten(editor);
+  Candidate candidate{editor.extract(), 0, name(start)};
+  candidate.volume = signed_volume(candidate.cage);
+  return candidate;
+}
+
+/// Runs the starts of a phase, as many at a time as there are threads; the smallest cage first.
+std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, const LevelRequest& request,
+                               Control& control) {
+  std::vector<std::optional<Candidate>> results(phase.size());
+  std::vector<double> fractions(phase.size(), 0.0);
+  std::mutex mutex;
+  for_each_task(request.threads, phase.size(), [&](std::size_t i) {
+    // Out of time: whoever comes later is left out, as long as somebody came before.
+    if (i > 0 && control.expired()) return;
+    results[i] = run(phase[i], obstacle, request, control, [&](double fraction) {
+      const std::lock_guard lock(mutex);
+      fractions[i] = fraction;
+      double sum = 0;
+      for (const double f : fractions) sum += f;
+      control.fraction = sum / static_cast<double>(fractions.size());
+    });
+  });
+  std::vector<Candidate> candidates;
+  for (std::optional<Candidate>& result : results) {
+    if (result) candidates.push_back(std::move(*result));
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
+  return candidates;
+}
+
+Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request, Control& control) {
+  CageEditor editor(obstacle, candidate.cage, editor_options(request));
+  tighten(editor);
+  ContactOptions options;
+  options.clearance = request.clearance;
+  options.self_clearance = self_clearances * request.clearance;
+  options.threads = request.threads;
+  options.check = [&] { control.throw_if_cancelled(); };
+  Candidate finished{editor.extract(), 0, candidate.start};
+  // Steps get shorter as they jam; starting over with long ones frees coarse cages again. Worth the time where the cage
+  // is small beside what it encloses.
+  const bool small = request.faces <= 1000 || request.clean->triangles.rows() > 20 * request.faces;
+  for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
+    finished.cage = shrink(obstacle, finished.cage, options);
+  }
+  finished.volume = signed_volume(finished.cage);
+  return finished;
+}
+
+LevelResult first_accepted(const std::vector<Phase>& phases, const Obstacle& obstacle, const LevelRequest& request,
+                           Control& control, const Accept& accept) {
+  for (const Phase& phase : phases) {
+    for (Candidate& candidate : compete(phase, obstacle, request, control)) {
+      Candidate finished = finish(candidate, obstacle, request, control);
+      if (auto certificate = accept(finished)) return {std::move(finished), std::move(*certificate), {}};
+      if (auto certificate = accept(candidate)) return {std::move(candidate), std::move(*certificate), {}};
+    }
+  }
+  throw Error("no cage of " + std::to_string(request.faces) + " faces keeps the topology of the level before");
+}
+
+}  // namespace
+
+LevelResult collapse_level(const Obstacle& obstacle, const LevelRequest& request, Control& control,
+                           const Accept& accept) {
+  return first_accepted(portfolio(request), obstacle, request, control, accept);
+}
+
+LevelResult hull_level(const Obstacle& obstacle, const LevelRequest& request, Control& control, const Accept& accept) {
+  return first_accepted({{{Start::Kind::hull, 0}}}, obstacle, request, control, accept);
+}
+
+}  // namespace encage::makers

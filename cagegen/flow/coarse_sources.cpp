@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/flow/coarse_sources.h"
+
+#include "cagegen/collapse/starts.h"
+#include "cagegen/decimate/decimate.h"
+#include "src/mesh/rounding.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace encage::makers {
+
+namespace {
+
+constexpr double part_gap = 10;  // clearances between parts of a coarse mesh
+
+/// Parts inside others, and voids, are not worth a cage's triangles.
+std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
+  if (!mesh) return std::nullopt;
+  *mesh = outermost_components(*mesh);
+  if (mesh->triangles.rows() < 4) return std::nullopt;
+  round_vertices(*mesh);
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRequest& request,
+                                         const FlowChoices& choices, const std::function<void()>& check) {
+  std::vector<CoarseSource> sources;
+  const double gap = part_gap * request.clearance;
+  if (choices.coarse != nullptr) {
+    return {{"user", [&choices]() -> std::optional<TriangleMesh> {
+               TriangleMesh mesh = *choices.coarse;
+               round_vertices(mesh);
+               return mesh;
+             }}};
+  }
+  const auto wrap = [&obstacle, &request](double parameter) {
+    const double alpha = request.diagonal / parameter;
+    return wrap_start(obstacle, *request.clean, alpha, alpha * wrap_offset, request.clearance);
+  };
+  if (choices.decimator) {
+    sources.push_back({choices.decimator_name.empty() ? "decimator" : choices.decimator_name,
+                       [=, &request, &choices]() -> std::optional<TriangleMesh> {
+                         const TriangleMesh& undeformed =
+                             choices.undeformed != nullptr ? *choices.undeformed : *request.clean;
+                         if (request.manifold) {
+                           return usable(choices.decimator(*request.clean, undeformed, request.faces));
+                         }
+                         const auto stand_in = wrap(100);
+                         if (!stand_in) return std::nullopt;
+                         return usable(choices.decimator(*stand_in, *stand_in, request.faces));
+                       }});
+    return sources;
+  }
+  if (request.manifold && request.topology != Topology::simplify) {
+    for (const auto& [name, kind] : {std::pair{"regular", Decimation::regular}, {"adaptive", Decimation::adaptive}}) {
+      sources.push_back(
+          {name, [=, &request] { return usable(decimate(*request.clean, request.faces, kind, gap, check)); }});
+    }
+  }
+  if (request.topology == Topology::keep) return sources;
+  const double fine = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 20;
+  for (const double parameter : {100.0, 50.0, 20.0, 10.0, 5.0}) {
+    if (parameter > fine) continue;
+    sources.push_back({"wrap/" + std::to_string(static_cast<int>(parameter)),
+                       [=, &request]() -> std::optional<TriangleMesh> {
+                         const auto surface = wrap(parameter);
+                         if (!surface || surface->triangles.rows() <= request.faces) return usable(surface);
+                         return usable(decimate(*surface, request.faces, Decimation::regular, gap, check));
+                       },
+                       static_cast<int>(sources.size()), parameter < 10});
+  }
+  return sources;
+}
+
+void drop_empty_parts(TriangleMesh& coarse, TriangleMesh& moved, const Obstacle& flowed) {
+  std::vector<std::int32_t> label;
+  const int components = triangle_components(moved, label);
+  if (components == 1) return;
+  std::vector<bool> kept(static_cast<std::size_t>(components), false);
+  for (std::int32_t c = 0; c < components; ++c) {
+    std::vector<bool> only(kept.size(), false);
+    only[c] = true;
+    const TriangleMesh part = keep_components(moved, label, only);
+    std::vector<Point> points;
+    flowed.representatives(bounds(part), points);
+    kept[c] = signed_volume(part) <= 0 || std::any_of(points.begin(), points.end(), [&](const Point& x) {
+                double angle = 0;
+                for (std::int64_t t = 0; t < part.triangles.rows(); ++t) {
+                  angle += solid_angle(x, {part.corner(t, 0), part.corner(t, 1), part.corner(t, 2)});
+                }
+                return angle > 6;  // 4 pi, or 0 outside
+              });
+  }
+  coarse = keep_components(coarse, label, kept);
+  moved = keep_components(moved, label, kept);
+}
+
+}  // namespace encage::makers

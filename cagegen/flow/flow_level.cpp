@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/flow/flow_level.h"
+
+#include "cagegen/collapse/collapse.h"
+#include "cagegen/contact/minimize.h"
+#include "cagegen/flow/coarse_sources.h"
+#include "cagegen/flow/expand.h"
+#include "cagegen/flow/flow.h"
+#include "cagegen/flow/reinflate.h"
+
+#include <encage/error.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace encage::makers {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double least_flow_gap = 1e-4;  // diagonals that F keeps to the coarse mesh; at least
+constexpr double flow_clearances = 4;    // clearances
+// Of the time that one coarse mesh takes, where a stage ends.
+constexpr double decimate_share = 0.15;
+constexpr double flow_share = 0.25;
+constexpr double inflate_share = 0.4;
+constexpr int flow_steps = 150;
+constexpr int most_expansions = 10;
+constexpr int expansion_patience = 3;
+constexpr double expansion_reach = 1e-2;     // diagonals, of one expansion
+constexpr std::int64_t compete_faces = 300;  // faces up to which all coarse meshes are nested, and the tightest kept
+constexpr double far_motion = 0.12;  // sizes of a coarse triangle, beyond which a wrap competes with decimations
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// A coarse mesh with F flowed into it.
+struct Flowed {
+  Flowed(const TriangleMesh& coarse, FlowResult in) : cage(coarse), flow(std::move(in)) {}
+
+  LevelResult result;  ///< with its start and undeformed mesh
+  TriangleMesh cage;   ///< expanded where the flow stalled
+  FlowResult flow;
+  double moved = 0;  ///< how far vertices of F are from home, on average
+};
+
+using FlowedPtr = std::unique_ptr<Flowed>;
+
+class FlowLevel {
+ public:
+  FlowLevel(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices, Control& control)
+      : obstacle_(obstacle), request_(request), choices_(choices), control_(control) {}
+
+  LevelResult run(const Accept& accept) {
+    const auto check = [this] { control_.throw_if_cancelled(); };
+    const std::vector<CoarseSource> sources = coarse_sources(obstacle_, request_, choices_, check);
+    const bool compete = request_.faces <= compete_faces;
+    std::size_t next = 0;
+    while (next < sources.size()) {
+      std::vector<FlowedPtr> flowed;
+      done_ = 0;
+      share_ = compete ? 1.0 / static_cast<double>(sources.size()) : 1;
+      do {
+        flow_in_group(sources, next, flowed);
+      } while (compete && next < sources.size() && !sources[next].last_resort);
+      const bool doubtful = !compete && next < sources.size() && moved_far(flowed);
+      if (doubtful) {
+        flow_in_group(sources, next, flowed);
+        share_ = 1.0 / static_cast<double>(flowed.size());
+      }
+      if (auto result = nest(std::move(flowed), compete || doubtful, accept)) return std::move(*result);
+    }
+    throw Error(failure_);
+  }
+
+ private:
+  /// `fraction` of what there is to do with one coarse mesh.
+  void report(double fraction) const { control_.fraction = done_ + share_ * fraction; }
+
+  void fail(const std::string& source, const std::string& reason) {
+    if (request_.log) request_.log("coarse mesh '" + source + "': " + reason);
+    failure_ = source + ": " + reason;
+  }
+
+  void note(const LevelResult& result, const std::string& what, int times) const {
+    if (!request_.log) return;
+    request_.log("coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
+                 (times == 1 ? " time" : " times"));
+  }
+
+  /// F flowed into all sources of a group, from `next` on.
+  void flow_in_group(const std::vector<CoarseSource>& sources, std::size_t& next, std::vector<FlowedPtr>& flowed) {
+    const int group = sources[next].group;
+    for (; next < sources.size() && sources[next].group == group; ++next) {
+      report(0);
+      if (auto in = flow_in(sources[next])) flowed.push_back(std::move(in));
+    }
+    // The less F had to move, the tighter the cage will be.
+    std::stable_sort(flowed.begin(), flowed.end(),
+                     [](const FlowedPtr& a, const FlowedPtr& b) { return a->moved < b->moved; });
+  }
+
+  /// F had to fold to come into any of them, and may jam on its way back.
+  bool moved_far(const std::vector<FlowedPtr>& flowed) const {
+    if (flowed.empty()) return false;
+    double area = 0;
+    const TriangleMesh& mesh = flowed.front()->result.undeformed;
+    for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
+      area += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm() / 2;
+    }
+    return flowed.front()->moved > far_motion * std::sqrt(area / static_cast<double>(mesh.triangles.rows()));
+  }
+
+  /// Null if F cannot be brought in.
+  FlowedPtr flow_in(const CoarseSource& source) {
+    control_.throw_if_cancelled();
+    auto coarse = source.make();
+    if (!coarse) {
+      fail(source.name,
+           "no coarse mesh of " + std::to_string(request_.faces) + " faces without self-intersection comes of it");
+      return nullptr;
+    }
+    report(decimate_share);
+    const auto start = Clock::now();
+    auto in = std::make_unique<Flowed>(*coarse, flow_into(*request_.inner, *coarse, flow_steps));
+    in->result.candidate.start = source.name;
+    in->result.undeformed = std::move(*coarse);
+    const int expansions = in->flow.inside ? 0 : expand_and_flow(in->cage, in->flow);
+    in->result.flow_seconds = seconds_since(start);
+    if (!in->flow.inside) {
+      fail(source.name, "the flow stalls: " + std::to_string(in->flow.stuck.size()) + " triangles stay outside after " +
+                            std::to_string(in->flow.history.steps()) + " steps, also with the coarse mesh expanded " +
+                            std::to_string(expansions) + " times");
+      return nullptr;
+    }
+    if (in->flow.smoothing_steps > 0) note(in->result, "the flowing mesh was smoothed", in->flow.smoothing_steps);
+    if (expansions > 0) note(in->result, "the flow stalled and the coarse mesh was expanded", expansions);
+    in->moved = (in->flow.positions - request_.inner->vertices).rowwise().norm().mean();
+    return in;
+  }
+
+  /// The first of them that can be nested, or (`all`) the tightest.
+  std::optional<LevelResult> nest(std::vector<FlowedPtr> flowed, bool all, const Accept& accept) {
+    std::vector<LevelResult> nested;
+    const auto settle = [&]() -> std::optional<LevelResult> {
+      std::stable_sort(nested.begin(), nested.end(), [](const LevelResult& a, const LevelResult& b) {
+        return a.candidate.volume < b.candidate.volume;
+      });
+      for (LevelResult& result : nested) {
+        finish(result);
+        if (auto certificate = accept(result.candidate)) {
+          result.certificate = std::move(*certificate);
+          return std::move(result);
+        }
+        fail(result.candidate.start, "the certificate refuses the cage");
+      }
+      nested.clear();
+      return std::nullopt;
+    };
+    for (FlowedPtr& candidate : flowed) {
+      if (inflate(*candidate)) nested.push_back(std::move(candidate->result));
+      if (all) {
+        done_ += share_;
+      } else if (auto result = settle()) {
+        return result;
+      }
+    }
+    return settle();
+  }
+
+  double flow_gap() const { return std::max(least_flow_gap * request_.diagonal, flow_clearances * request_.clearance); }
+
+  /// Makes room where F is stuck, and lets it flow on from there. Returns how often.
+  int expand_and_flow(TriangleMesh& cage, FlowResult& flowed) const {
+    TriangleMesh fine = *request_.inner;
+    std::size_t fewest = flowed.stuck.size();
+    int last_gain = 0;
+    int expansions = 0;
+    while (!flowed.inside && expansions < most_expansions && expansions < last_gain + expansion_patience) {
+      fine.vertices = flowed.positions;
+      cage = expand(cage, fine, flowed.stuck, flow_gap(), expansion_reach * request_.diagonal, contact_options());
+      FlowResult more = flow_into(fine, cage, flow_steps / 3);
+      flowed.history.append(more.history);
+      more.history = std::move(flowed.history);
+      more.smoothing_steps += flowed.smoothing_steps;
+      flowed = std::move(more);
+      ++expansions;
+      if (flowed.stuck.size() < fewest) {
+        fewest = flowed.stuck.size();
+        last_gain = expansions;
+      }
+    }
+    return expansions;
+  }
+
+  FlowResult flow_into(const TriangleMesh& fine, const TriangleMesh& cage, int most_steps) const {
+    FlowRequest flow_request;
+    flow_request.fine = &fine;
+    flow_request.coarse = &cage;
+    flow_request.diagonal = request_.diagonal;
+    flow_request.gap = flow_gap();
+    flow_request.threads = request_.threads;
+    flow_request.most_steps = most_steps;
+    flow_request.check = [this] { control_.throw_if_cancelled(); };
+    return flow(flow_request);
+  }
+
+  bool inflate(Flowed& flowed) {
+    const auto start = Clock::now();
+    LevelResult& result = flowed.result;
+    Obstacle inside = obstacle_;
+    inside.move(flowed.flow.positions);
+    drop_empty_parts(result.undeformed, flowed.cage, inside);
+    ContactSolver solver(flowed.cage, contact_options());
+    ReinflateRequest reinflation;
+    reinflation.fine = request_.inner;
+    reinflation.rest = &result.undeformed;
+    reinflation.flowed = &flowed.flow;
+    reinflation.energy = choices_.inflate.get();
+    reinflation.path = choices_.path;
+    reinflation.origin = request_.origin;
+    reinflation.progress = [&](double fraction) { report(flow_share + fraction * (inflate_share - flow_share)); };
+    const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
+    if (!reached.reached) {
+      fail(result.candidate.start, reached.failure);
+      return false;
+    }
+    if (reached.slow_steps > 0) note(result, "followed by the slow solver", reached.slow_steps);
+    if (reached.reliefs > 0) note(result, "pinched, and relieved", reached.reliefs);
+    minimize_final(solver, result.undeformed);
+    result.candidate.cage = solver.mesh();
+    result.candidate.volume = signed_volume(result.candidate.cage);
+    result.reinflate_seconds = seconds_since(start);
+    return true;
+  }
+
+  void minimize_final(ContactSolver& solver, const TriangleMesh& rest) const {
+    MinimizeRequest minimization;
+    minimization.fine = request_.inner;
+    minimization.rest = &rest;
+    minimization.energy = choices_.final.get();
+    minimization.progress = [&](double fraction) { report(inflate_share + fraction * (1 - inflate_share)); };
+    minimize(solver, obstacle_, minimization);
+  }
+
+  /// More of the final energy, from long steps again, which frees coarse cages; for the volume, vertex by vertex too.
+  void finish(LevelResult& result) const {
+    const auto start = Clock::now();
+    TriangleMesh& cage = result.candidate.cage;
+    const bool volume = choices_.final == volume_energy();
+    const int passes = request_.faces <= 1000 ? 2 : 0;
+    for (int pass = 0; pass <= passes; ++pass) {
+      if (pass > 0) {
+        ContactSolver solver(cage, contact_options());
+        minimize_final(solver, result.undeformed);
+        cage = solver.mesh();
+      }
+      if (!volume) continue;
+      EditorOptions editing;
+      editing.clearance = request_.clearance;
+      editing.self_clearance = self_clearances * request_.clearance;
+      CageEditor editor(obstacle_, cage, editing);
+      tighten(editor);
+      cage = editor.extract();
+    }
+    result.candidate.volume = signed_volume(cage);
+    result.reinflate_seconds += seconds_since(start);
+  }
+
+  ContactOptions contact_options() const {
+    ContactOptions options;
+    options.clearance = request_.clearance;
+    options.self_clearance = self_clearances * request_.clearance;
+    options.threads = request_.threads;
+    options.check = [this] { control_.throw_if_cancelled(); };
+    return options;
+  }
+
+  const Obstacle& obstacle_;
+  const LevelRequest& request_;
+  const FlowChoices& choices_;
+  Control& control_;
+  std::string failure_ = "no coarse mesh could be nested";
+  double done_ = 0;
+  double share_ = 1;
+};
+
+}  // namespace
+
+LevelResult flow_level(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices,
+                       Control& control, const Accept& accept) {
+  return FlowLevel(obstacle, request, choices, control).run(accept);
+}
+
+}  // namespace encage::makers
