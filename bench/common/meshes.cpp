@@ -17,19 +17,18 @@ TriangleMesh in_body_frame(const TriangleMesh& mesh, const Eigen::Vector3d& orig
 }
 
 TriangleMesh fine_mesh(const Shape& shape, const std::filesystem::path& file) {
-  if (shape.fine.empty()) throw Error(file.string() + ": holds no fine mesh");
+  if (shape.is_compound() || shape.simple().fine.empty()) throw Error(file.string() + ": holds no fine mesh");
+  const Surface& fine = shape.simple().fine;
   TriangleMesh mesh;
-  mesh.vertices.resize(static_cast<Eigen::Index>(shape.fine.mesh.vertices.size()), 3);
-  mesh.triangles.resize(static_cast<Eigen::Index>(shape.fine.mesh.triangles.size()), 3);
-  for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) {
-    mesh.vertices.row(v) = (shape.origin + shape.fine.vertex(v)).transpose();
-  }
+  mesh.vertices.resize(static_cast<Eigen::Index>(fine.mesh.vertices.size()), 3);
+  mesh.triangles.resize(static_cast<Eigen::Index>(fine.mesh.triangles.size()), 3);
+  for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) mesh.vertices.row(v) = fine.vertex(v).transpose();
   for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      mesh.triangles(t, k) = static_cast<std::int32_t>(shape.fine.mesh.triangles[static_cast<std::size_t>(t)][k]);
+      mesh.triangles(t, k) = static_cast<std::int32_t>(fine.mesh.triangles[static_cast<std::size_t>(t)][k]);
     }
   }
-  return mesh;
+  return in_body_frame(mesh, shape.simple().frame.origin);
 }
 
 }  // namespace encage::bench
