@@ -11,7 +11,7 @@
 
 namespace encage::replay {
 
-/// `engines.<name>`, `with_<front>.<name>`, `perfect.<name>`, `disagreements`, ... (design.md, section 8).
+/// `engines.<name>`, `with_<front>.<name>`, `perfect.<name>`, `disagreements`, …
 nlohmann::ordered_json to_json(const Replay& replay, const std::optional<Continuous>& continuous);
 
 /// Tables in Markdown.

@@ -9,7 +9,7 @@
 
 namespace encage::tank {
 
-/// The keys of design.md, section 8, that come from the measurement, and more about it.
+/// The JSON keys that come from the measurement, and more about it.
 nlohmann::ordered_json to_json(const Measurement& measurement);
 
 /// A table of the strategies, and the ratios between them.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <encage/affine_map.h>
-#include <encage/shape.h>
+#include <encage/motion.h>
 
 namespace encage {
 

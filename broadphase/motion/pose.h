@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <encage/shape.h>
+#include <encage/motion.h>
 
 namespace encage {
 

@@ -26,7 +26,7 @@ std::string text(double x) {
 bool is_float32(const Vertices& vertices) {
   for (Eigen::Index i = 0; i < vertices.size(); ++i) {
     const double x = vertices.data()[i];
-    // Through memory: g++ 12.2 has been seen to drop the conversion (design.md).
+    // Through memory: g++ 12.2 has been seen to drop the conversion for some of several lanes.
     volatile const float rounded = static_cast<float>(x);
     if (static_cast<double>(rounded) != x) return false;
   }

@@ -7,7 +7,7 @@
 
 namespace encage::tool {
 
-// Exit statuses of every tool of the project (design.md, section 8).
+// Exit statuses of every program of the project.
 enum Status : int {
   success = 0,
   answer_is_no = 1,  ///< the check failed, the engines disagree

@@ -5,8 +5,8 @@
 
 namespace encage::makers {
 
-/// atan2 by additions, multiplications, divisions and roots only: libm's differ between machines (design.md, section
-/// 6). Absolute error below 1e-14; 0 if both are 0.
+/// atan2 by additions, multiplications, divisions and roots only: libm's differ between machines (docs/architecture.md,
+/// Determinism). Absolute error below 1e-14; 0 if both are 0.
 inline double arc_tangent(double y, double x) {
   const double ax = std::abs(x);
   const double ay = std::abs(y);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Shapes of bodies, their motion during a step, and the boxes and margins that follow from both.
+// Shapes of bodies, and the boxes and margins that follow from their motion.
 
 #include <encage/asset.h>
 #include <encage/cage.h>
 #include <encage/export.h>
+#include <encage/motion.h>
 
 #include <Eigen/Geometry>
 
@@ -74,22 +75,6 @@ int level_count(const Shape& shape) noexcept;
 /// parts of the cage of that level, or the part's coarsest.
 std::int64_t level_triangles(const Shape& shape, int level) noexcept;
 
-/// Rigid motion from the body frame (the frame of the source file) to the world, of a body at `scale` times its size:
-/// x -> pose * (scale * x). Every vertex moves on the straight line between its two positions.
-struct Motion {
-  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d end = Eigen::Isometry3d::Identity();
-  double scale = 1;  ///< > 0, usually 1; the same during the whole motion
-
-  static Motion resting(const Eigen::Isometry3d& pose, double scale = 1) { return {pose, pose, scale}; }
-  bool at_rest() const { return start.matrix() == end.matrix(); }
-};
-
-/// Returns true if queries accept the motion: both poses are finite, do not mirror and are within 1e-9 of rigid; the
-/// rotation between them, taken the short way, is below 180 degrees (with 1e-6 to spare); the scale is between 1e-50
-/// and 1e50.
-bool is_usable(const Motion& motion) noexcept;
-
 /// Returns a bound, in world units and rounded up, of how far a point of the body leaves its straight path if the body
 /// turns about its axis at uniform angular velocity: r (1 - cos(angle/2)), where r is the largest distance of a vertex
 /// from the axis through `pivot` (body frame, before scaling), and `pivot` stays on its straight path. The bound is 0
@@ -101,12 +86,5 @@ double arc_margin(const Shape& shape, const Motion& motion,
 /// but the box of a cage with few vertices, or of boxes around parts of the surface. It is the whole space if the
 /// motion is not usable.
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept;
-
-/// The solid { x : normal . x <= offset } of the world; the normal has length 1 within 1e-9, `offset` is in world
-/// units.
-struct HalfSpace {
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double offset = 0;
-};
 
 }  // namespace encage

@@ -46,22 +46,6 @@ void check_description(const CageHierarchy& hierarchy, const std::string& file) 
   }
 }
 
-void check_mesh(const MeshView& mesh, const std::string& place) {
-  require(!mesh.triangles.empty(), place, "no triangles");
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    for (const float x : mesh.vertices[v]) {
-      if (!std::isfinite(x)) throw Error(place + ": vertex " + std::to_string(v) + ": not finite");
-    }
-  }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      if (v < mesh.vertices.size()) continue;
-      throw Error(place + ": triangle " + std::to_string(t) + ": index " + std::to_string(v) +
-                  " is out of range, there are " + std::to_string(mesh.vertices.size()) + " vertices");
-    }
-  }
-}
-
 void check_caps(std::int64_t cap_count, std::int64_t fine_triangles, const std::string& file) {
   require(fine_triangles == 0 || cap_count <= fine_triangles, file, "cap_count exceeds the triangles of the source");
 }

@@ -5,10 +5,8 @@
 
 #include <encage/cage.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 
 namespace encage {
@@ -20,19 +18,9 @@ inline constexpr int asset_version = 1;
 inline constexpr std::size_t seal_size = 64;
 inline constexpr std::size_t seal_hash_size = 32;
 
-/// A mesh as stored in the file.
-struct MeshView {
-  std::span<const std::array<float, 3>> vertices;
-  std::span<const std::array<std::uint32_t, 3>> triangles;
-};
-
 /// Checks everything but the meshes: numbers are finite and in range, levels are sorted from fine to coarse by volume.
 /// Throws Error, its message starting with `file`.
 void check_description(const CageHierarchy& hierarchy, const std::string& file);
-
-/// Checks that the mesh is not empty, its vertices are finite and its indices in range. Throws Error, its message
-/// starting with `place`.
-void check_mesh(const MeshView& mesh, const std::string& place);
 
 /// Checks that `cap_count` does not exceed the number of triangles of the fine mesh, if there is one. Throws Error, its
 /// message starting with `file`.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "src/asset/rules.h"
+#include "src/mesh/mesh_view.h"
 #include "src/tree/mesh_tree.h"
 
 #include <encage/mesh.h>

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The motion of a body during a step, and half-spaces.
+
+#include <encage/export.h>
+
+#include <Eigen/Geometry>
+
+namespace ENCAGE_EXPORT encage {
+
+/// Rigid motion from the body frame (the frame of the source file) to the world, of a body at `scale` times its size:
+/// x -> pose * (scale * x). Every vertex moves on the straight line between its two positions.
+struct Motion {
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d end = Eigen::Isometry3d::Identity();
+  double scale = 1;  ///< > 0, usually 1; the same during the whole motion
+
+  static Motion resting(const Eigen::Isometry3d& pose, double scale = 1) { return {pose, pose, scale}; }
+  bool at_rest() const { return start.matrix() == end.matrix(); }
+};
+
+/// Returns true if queries accept the motion: both poses are finite, do not mirror and are within 1e-9 of rigid; the
+/// rotation between them, taken the short way, is below 180 degrees (with 1e-6 to spare); the scale is between 1e-50
+/// and 1e50.
+bool is_usable(const Motion& motion) noexcept;
+
+/// The solid { x : normal . x <= offset } of the world; the normal has length 1 within 1e-9, `offset` is in world
+/// units.
+struct HalfSpace {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double offset = 0;
+};
+
+}  // namespace encage
