@@ -46,25 +46,17 @@ function(encage_precompile target)
   endforeach()
 endfunction()
 
-# encage_library(name [CGAL] sources...): a part of ours, alias encage::name. Always static, and never installed: programs
-# and tests of this project link parts and see all of them; other projects link the products made of them. CGAL: with
-# CGAL's kernel and surface mesh among the precompiled headers, for parts where several files include them.
+# encage_library(name sources...): a part of ours, alias encage::name. Always static, and never installed: programs
+# and tests of this project link parts and see all of them; other projects link the products made of them.
 function(encage_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg CGAL "" "")
-  add_library(encage_${name} STATIC ${arg_UNPARSED_ARGUMENTS})
+  add_library(encage_${name} STATIC ${ARGN})
   add_library(encage::${name} ALIAS encage_${name})
   encage_settings(encage_${name})
   # What public headers declare says otherwise (encage/export.h).
   set_target_properties(encage_${name} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_include_directories(encage_${name} PUBLIC ${PROJECT_SOURCE_DIR}/include)
-  set(options OPTIONS ${CMAKE_CXX_COMPILE_OPTIONS_VISIBILITY}hidden
-                      ${CMAKE_CXX_COMPILE_OPTIONS_VISIBILITY_INLINES_HIDDEN})
-  if(arg_CGAL)
-    encage_precompile(encage_${name} KIND cgal ${options} LIBRARIES CGAL::CGAL
-      HEADERS <CGAL/Exact_predicates_inexact_constructions_kernel.h> <CGAL/Surface_mesh.h>)
-  else()
-    encage_precompile(encage_${name} KIND libraries ${options})
-  endif()
+  encage_precompile(encage_${name} KIND libraries OPTIONS ${CMAKE_CXX_COMPILE_OPTIONS_VISIBILITY}hidden
+                                                          ${CMAKE_CXX_COMPILE_OPTIONS_VISIBILITY_INLINES_HIDDEN})
 endfunction()
 
 # What other projects link as encage::name: the objects of these parts as one library, static or shared as
