@@ -39,8 +39,8 @@ struct MovingPoints {
 /// is missed. A contact is reported although there is none, or earlier than 2^-21 before it, only where the features
 /// come closer than the margin plus rounding (2^-46 of the largest difference of their coordinates, of margin and arc);
 /// with a margin, occasionally also where they come closer than that plus their motion in 2^-22 of the step. The time
-/// is 0 if a number is not finite, or is negative where it must not be, and for features smaller than 1e-40 or farther
-/// apart than 1e40. Never throws, never allocates. Re-entrant.
+/// is 0 if a number is not finite, or is negative where it must not be; it may be 0 for features smaller than 1e-40 or
+/// farther apart than 1e40. Never throws, never allocates. Re-entrant.
 std::optional<double> vertex_face_time(const MovingPoints& points, const ContactOptions& options = {}) noexcept;
 
 /// The same for the edges points[0] points[1] and points[2] points[3].
