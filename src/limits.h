@@ -22,6 +22,9 @@ inline constexpr double smallest_scale = 1e-50, largest_scale = 1e50;
 /// stay below the largest float, 3.4e38.
 inline constexpr double largest_coordinate = 1e37;
 
+/// Units of the mesh. The least extent of a source: float32 holds coordinates within it as normal numbers.
+inline constexpr double smallest_extent = 1e-30;
+
 /// Without unit. Bounds how far R^T R of a pose may be from the identity (spectral norm), and the length of a normal
 /// from 1. Poses that a simulation integrates in double stay within it; bounds of lengths grow by a factor of 1 + 1e-9
 /// at most.

@@ -102,8 +102,8 @@ ReplayScene make_scene(const ReplayArguments& a, const std::vector<PoseStep>& po
 }
 
 /// What engines are asked, and what is true.
-Question question_of(const ReplayScene& scene) {
-  Question question{scene.steps, scene.touching, scene.before, {}};
+PairQuestion question_of(const ReplayScene& scene) {
+  PairQuestion question{scene.steps, scene.touching, scene.before, {}};
   for (std::size_t i = 0; i < scene.before.size(); ++i) {
     std::erase_if(question.truth[i], [&](const BodyPair& pair) {
       return std::binary_search(scene.before[i].begin(), scene.before[i].end(), pair);
@@ -156,7 +156,7 @@ bool run(ReplayArguments& a) {
 
   bench::Watch watch;
   const ReplayScene scene = make_scene(a, poses, body, watch.reporter("exact arithmetic"));
-  Question question = question_of(scene);
+  PairQuestion question = question_of(scene);
   question.fronts = fronts.list();
   question.runs = a.runs;
   const Replay result = replay(all_engines(a, body), question, watch.reporter("replaying"));

@@ -23,7 +23,7 @@ struct Contestant {
   std::string name() const { return front.empty() ? engine->name() : engine->name() + "+" + front; }
 };
 
-std::vector<Contestant> contestants_of(Engine& engine, const Question& question) {
+std::vector<Contestant> contestants_of(Engine& engine, const PairQuestion& question) {
   std::vector<Contestant> list;
   const auto enter = [&](const std::string& front, const Gate* gate) {
     list.push_back({&engine, front, gate, bench::StepTimes(question.steps.size())});
@@ -45,7 +45,7 @@ void warm_up(Engine& engine, const std::vector<PoseStep>& steps) {
   if (most != steps.end()) engine.touching({*most});
 }
 
-void ask(Contestant& contestant, const Question& question, std::size_t i) {
+void ask(Contestant& contestant, const PairQuestion& question, std::size_t i) {
   const std::vector<BodyPair>* left_out = question.left_out.empty() ? nullptr : &question.left_out[i];
   const PerfectGate knows(question.truth[i]);
   const Gate* gate = contestant.front == perfect ? &knows : contestant.gate;
@@ -63,7 +63,7 @@ std::int64_t count_missing(const std::vector<BodyPair>& of, const std::vector<Bo
   return std::count_if(of.begin(), of.end(), [&](const BodyPair& pair) { return !contains(in, pair); });
 }
 
-Answer summary(const Contestant& contestant, const Question& question) {
+Answer summary(const Contestant& contestant, const PairQuestion& question) {
   Answer answer{contestant.front, contestant.times.mean_of_medians()};
   for (std::size_t i = 0; i < question.steps.size(); ++i) {
     answer.touching += static_cast<std::int64_t>(contestant.answers[i].size());
@@ -73,7 +73,7 @@ Answer summary(const Contestant& contestant, const Question& question) {
   return answer;
 }
 
-EngineResult summary(const std::vector<Contestant>& contestants, const Question& question) {
+EngineResult summary(const std::vector<Contestant>& contestants, const PairQuestion& question) {
   EngineResult result;
   result.name = contestants.front().engine->name();
   for (const Contestant& contestant : contestants) {
@@ -91,7 +91,7 @@ EngineResult summary(const std::vector<Contestant>& contestants, const Question&
 
 using Field = std::vector<std::vector<Contestant>>;  // per engine
 
-void find_disagreements(const Field& field, const Question& question, std::size_t i,
+void find_disagreements(const Field& field, const PairQuestion& question, std::size_t i,
                         std::vector<Disagreement>& disagreements) {
   std::vector<const Contestant*> asked;
   for (const std::vector<Contestant>& contestants : field) {
@@ -114,7 +114,7 @@ void find_disagreements(const Field& field, const Question& question, std::size_
 
 }  // namespace
 
-Replay replay(const std::vector<std::unique_ptr<Engine>>& engines, const Question& question,
+Replay replay(const std::vector<std::unique_ptr<Engine>>& engines, const PairQuestion& question,
               const std::function<void(double fraction)>& progress) {
   Field field;
   for (const std::unique_ptr<Engine>& engine : engines) field.push_back(contestants_of(*engine, question));

@@ -17,7 +17,7 @@ struct Front {
   const Gate* gate = nullptr;
 };
 
-struct Question {
+struct PairQuestion {
   std::vector<PoseStep> steps;
   std::vector<std::vector<BodyPair>> truth;     ///< the pairs that touch, per step, sorted; none that is left out
   std::vector<std::vector<BodyPair>> left_out;  ///< the pairs that nobody is asked for, likewise; or empty
@@ -60,7 +60,7 @@ struct Replay {
 /// Asks all engines about the same steps, each alone, behind every front that makes sense for it (FineGate is what
 /// Encage does itself), and behind PerfectGate. In every run they take turns (step_times.h).
 Replay replay(
-    const std::vector<std::unique_ptr<Engine>>& engines, const Question& question,
+    const std::vector<std::unique_ptr<Engine>>& engines, const PairQuestion& question,
     const std::function<void(double fraction)>& progress = [](double) {});
 
 }  // namespace encage::replay

@@ -36,7 +36,7 @@ struct Outside {
       const Kernel::Point_3& p = get(profile.vertex_point_map(), v);
       return Vector3d(p.x() - profile.p0().x(), p.y() - profile.p0().y(), p.z() - profile.p0().z());
     };
-    std::vector<makers::HalfSpace> planes;
+    std::vector<makers::LinearConstraint> planes;
     Vector3d gradient = Vector3d::Zero();  // of the volume under the new triangles
     double before = 0;
     std::size_t index = 0;
@@ -76,7 +76,7 @@ struct Cost : Outside {
   }
 };
 
-struct StopAtFaces {
+struct StopAtHullFaces {
   std::size_t faces;
   template <class Value, class Profile>
   bool operator()(const Value&, const Profile& profile, std::size_t, std::size_t) const {
@@ -86,7 +86,7 @@ struct StopAtFaces {
 
 /// Each vertex moved outside of the planes around it: what stays there does not touch the input.
 TriangleMesh lifted(const TriangleMesh& mesh, double lift) {
-  std::vector<std::vector<makers::HalfSpace>> planes(static_cast<std::size_t>(mesh.vertices.rows()));
+  std::vector<std::vector<makers::LinearConstraint>> planes(static_cast<std::size_t>(mesh.vertices.rows()));
   for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
     const Vector3d normal =
         (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
@@ -104,7 +104,7 @@ TriangleMesh lifted(const TriangleMesh& mesh, double lift) {
 
 TriangleMesh collapse_outward(const TriangleMesh& mesh, std::int64_t faces, double lift) {
   SurfaceMesh surface = makers::to_cgal<Kernel::Point_3>(lifted(mesh, lift));
-  sms::edge_collapse(surface, StopAtFaces{static_cast<std::size_t>(faces)},
+  sms::edge_collapse(surface, StopAtHullFaces{static_cast<std::size_t>(faces)},
                      CGAL::parameters::get_cost(Cost{{lift}}).get_placement(HullPlacement{{lift}}));
   return makers::from_cgal(surface);
 }

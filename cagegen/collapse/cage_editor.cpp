@@ -168,7 +168,7 @@ double CageEditor::estimate_collapse(std::int32_t u, std::int32_t v) const {
   return best;
 }
 
-std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t v) {
+std::optional<VertexPlacement> CageEditor::plan_collapse(std::int32_t u, std::int32_t v) {
   assert(options_.quadric_weight > 0);  // the volume alone is linear: it has no minimum
   Patch& patch = scratch_.patch;
   if (!make_collapse_patch(u, v, patch)) return std::nullopt;
@@ -180,12 +180,12 @@ std::optional<Placement> CageEditor::plan_collapse(std::int32_t u, std::int32_t 
     a.diagonal().array() += pull * o.matrix.trace() + std::numeric_limits<double>::min();
     const auto p = place(patch, a, o.vector, o.centre);
     if (!p) return std::nullopt;
-    if (acceptable(patch, *p)) return Placement{*p, o.cost(*p)};
+    if (acceptable(patch, *p)) return VertexPlacement{*p, o.cost(*p)};
   }
   return std::nullopt;
 }
 
-std::optional<Placement> CageEditor::plan_tightening(std::int32_t vertex, double reach) {
+std::optional<VertexPlacement> CageEditor::plan_tightening(std::int32_t vertex, double reach) {
   Patch& patch = scratch_.patch;
   make_vertex_patch(vertex, patch);
   const Objective o = objective(patch, 0);
@@ -197,7 +197,7 @@ std::optional<Placement> CageEditor::plan_tightening(std::int32_t vertex, double
   if (!p || *p == position_[vertex]) return std::nullopt;
   const double cost = o.cost(*p);
   if (!(cost < 0) || !acceptable(patch, *p)) return std::nullopt;
-  return Placement{*p, cost};
+  return VertexPlacement{*p, cost};
 }
 
 std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d& a, const Point& b,
@@ -205,14 +205,14 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
   const double clearance = options_.clearance;
   const double lift = lift_clearances * clearance + 4 * rounding_;
   // For each ring edge the steepest of the planes through it that clear the obstacle.
-  std::vector<HalfSpace>& planes = scratch_.planes;
-  std::vector<HalfSpace>& active = scratch_.active;
+  std::vector<LinearConstraint>& planes = scratch_.planes;
+  std::vector<LinearConstraint>& active = scratch_.active;
   std::vector<std::int32_t>& found = scratch_.hits;
   planes.assign(patch.ring.size(), {Point::Zero(), 0});
   Point last = Point::Constant(std::numeric_limits<double>::quiet_NaN());
   for (int round = 0; round < most_rounds; ++round) {
     active.clear();
-    for (const HalfSpace& plane : planes) {
+    for (const LinearConstraint& plane : planes) {
       if (!plane.normal.isZero(0)) active.push_back({plane.normal, plane.offset - plane.normal.dot(centre)});
     }
     const auto relative = solve_qp(a, b, active);

@@ -22,7 +22,7 @@ struct EditorOptions {
 };
 
 /// A position that a vertex may take, and the volume that this adds.
-struct Placement {
+struct VertexPlacement {
   Point position;
   double cost = 0;
 };
@@ -46,12 +46,12 @@ class CageEditor {
   /// A cheap lower estimate of what merging the ends of an edge costs, without regard to the obstacle.
   double estimate_collapse(std::int32_t u, std::int32_t v) const;
   /// Plans merging u and v into one vertex; no value if it cannot be done.
-  std::optional<Placement> plan_collapse(std::int32_t u, std::int32_t v);
+  std::optional<VertexPlacement> plan_collapse(std::int32_t u, std::int32_t v);
   /// Merges v into u at a planned position.
   void apply_collapse(std::int32_t u, std::int32_t v, const Point& position);
 
   /// Plans the move of a vertex that encloses less volume. `reach` limits its length.
-  std::optional<Placement> plan_tightening(std::int32_t vertex, double reach);
+  std::optional<VertexPlacement> plan_tightening(std::int32_t vertex, double reach);
   void apply_move(std::int32_t vertex, const Point& position);
 
   /// The cage with unused vertices dropped, in a fixed order.
@@ -74,8 +74,8 @@ class CageEditor {
   struct Scratch {
     Patch patch;
     std::array<std::vector<std::int32_t>, 2> neighbours;
-    std::vector<HalfSpace> planes;  ///< one a ring edge
-    std::vector<HalfSpace> active;
+    std::vector<LinearConstraint> planes;  ///< one a ring edge
+    std::vector<LinearConstraint> active;
     std::vector<std::int32_t> hits;
     std::vector<Point> fan;  ///< normals of the new triangles
     std::vector<Point> normals;

@@ -12,14 +12,16 @@ namespace encage::makers {
 
 namespace {
 
-struct Candidate {
+struct EdgeCandidate {
   double cost;
   std::int32_t u;
   std::int32_t v;
   std::uint32_t version;  ///< of u and v together, when the cost was found
   std::int32_t id;        ///< index into Queue::waiting_
 
-  bool operator>(const Candidate& other) const { return std::tie(cost, u, v) > std::tie(other.cost, other.u, other.v); }
+  bool operator>(const EdgeCandidate& other) const {
+    return std::tie(cost, u, v) > std::tie(other.cost, other.u, other.v);
+  }
 };
 
 /// Edges by cost. Costs may be stale: they are the keys of a lazy queue.
@@ -53,7 +55,7 @@ class Queue {
     cage_.neighbours(u, neighbours_);
     for (const std::int32_t v : neighbours_) {
       push(std::min(u, v), std::max(u, v), cage_.estimate_collapse(u, v));
-      for (const Candidate& c : failed_[v]) {
+      for (const EdgeCandidate& c : failed_[v]) {
         if (!waiting_[c.id]) continue;
         waiting_[c.id] = false;
         heap_.push(c);
@@ -63,13 +65,13 @@ class Queue {
   }
 
   /// Sets a candidate aside until something changes next to it.
-  void postpone(const Candidate& c) {
+  void postpone(const EdgeCandidate& c) {
     waiting_[c.id] = true;
     failed_[c.u].push_back(c);
     failed_[c.v].push_back(c);
   }
 
-  bool pop(Candidate& c) {
+  bool pop(EdgeCandidate& c) {
     while (!heap_.empty()) {
       c = heap_.top();
       heap_.pop();
@@ -83,10 +85,10 @@ class Queue {
  private:
   CageEditor& cage_;
   std::vector<std::uint32_t> version_;
-  std::vector<std::vector<Candidate>> failed_;  ///< per end: a candidate stands in two lists
-  std::vector<bool> waiting_;                   ///< set aside and not back in the heap
+  std::vector<std::vector<EdgeCandidate>> failed_;  ///< per end: a candidate stands in two lists
+  std::vector<bool> waiting_;                       ///< set aside and not back in the heap
   std::vector<std::int32_t> neighbours_;
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> heap_;
+  std::priority_queue<EdgeCandidate, std::vector<EdgeCandidate>, std::greater<>> heap_;
 };
 
 }  // namespace
@@ -100,7 +102,7 @@ bool collapse_edges(CageEditor& cage, const CollapseLimits& limits) {
   for (;;) {
     queue.fill();
     bool any = false;
-    Candidate c;
+    EdgeCandidate c;
     while (cage.face_count() > limits.faces && queue.pop(c)) {
       if (limits.work > 0 && Obstacle::work() - first_work > limits.work) return false;
       if (limits.progress && ++plans % 64 == 0) {

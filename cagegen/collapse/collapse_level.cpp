@@ -170,7 +170,7 @@ std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, con
 Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request, Control& control) {
   CageEditor editor(obstacle, candidate.cage, editor_options(request));
   tighten(editor);
-  ContactOptions options;
+  ContactSolverOptions options;
   options.clearance = request.clearance;
   options.self_clearance = self_clearances * request.clearance;
   options.threads = request.threads;

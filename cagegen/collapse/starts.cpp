@@ -97,7 +97,7 @@ std::vector<Point> unit_lifts(const TriangleMesh& base) {
   }
   constexpr double longest = 4;
   std::vector<Point> lifts(normals.size(), Point::Zero());
-  std::vector<HalfSpace> planes;
+  std::vector<LinearConstraint> planes;
   for (std::size_t v = 0; v < normals.size(); ++v) {
     planes.clear();
     Point mean = Point::Zero();

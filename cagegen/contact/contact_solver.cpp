@@ -72,7 +72,7 @@ ClosestPair closest_beside(const std::array<std::int32_t, 3>& index_s, const Cor
 
 }  // namespace
 
-ContactSolver::ContactSolver(const TriangleMesh& cage, ContactOptions options) : options_(std::move(options)) {
+ContactSolver::ContactSolver(const TriangleMesh& cage, ContactSolverOptions options) : options_(std::move(options)) {
   for (std::int64_t v = 0; v < cage.vertices.rows(); ++v) {
     position_.push_back(cage.vertex(static_cast<std::int32_t>(v)));
   }

@@ -13,7 +13,7 @@
 
 namespace encage::makers {
 
-struct ContactOptions {
+struct ContactSolverOptions {
   double clearance = 0;                 ///< distance to the obstacle, a length
   double self_clearance = 0;            ///< distance between faces of the cage that share no vertex, a length
   int threads = 1;                      ///< never changes the result
@@ -30,10 +30,10 @@ class ContactSolver {
   using Positions = std::vector<Point>;
 
   /// `cage` must be valid around the obstacle of the first step.
-  ContactSolver(const TriangleMesh& cage, ContactOptions options);
+  ContactSolver(const TriangleMesh& cage, ContactSolverOptions options);
 
   const Positions& positions() const { return position_; }
-  const ContactOptions& options() const { return options_; }
+  const ContactSolverOptions& options() const { return options_; }
   void set_self_clearance(double length) { options_.self_clearance = length; }
   TriangleMesh mesh() const;
   std::size_t face_count() const { return face_.size(); }
@@ -105,7 +105,7 @@ class ContactSolver {
   void retreat(const Step& step, Positions& y);
   void add_lost_cones(const Positions& y);
 
-  ContactOptions options_;
+  ContactSolverOptions options_;
   Positions position_;
   std::vector<Index3> face_;
   std::vector<std::vector<std::int32_t>> incident_;  ///< faces of each vertex

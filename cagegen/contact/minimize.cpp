@@ -95,7 +95,7 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
   }
 }
 
-TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, const ContactOptions& options) {
+TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, const ContactSolverOptions& options) {
   ContactSolver solver(cage, options);
   const EnergyPtr volume = volume_energy();
   MinimizeRequest request;

@@ -52,7 +52,7 @@ struct StopAtFaces {
   }
 };
 
-struct Filter {
+struct PlacementFilter {
   EmbeddingGuard* guard;
   template <class Profile>
   boost::optional<Kernel::Point_3> operator()(const Profile& profile, boost::optional<Kernel::Point_3> position) const {
@@ -96,9 +96,11 @@ struct Visitor : sms::Edge_collapse_visitor_base<SurfaceMesh> {
 template <class Cost, class Placement>
 void collapse(SurfaceMesh& mesh, std::int64_t faces, const Cost& cost, const Placement& placement,
               EmbeddingGuard* guard, const std::function<void()>& check) {
-  sms::edge_collapse(
-      mesh, StopAtFaces{static_cast<std::size_t>(faces)},
-      CGAL::parameters::get_cost(cost).get_placement(placement).filter(Filter{guard}).visitor(Visitor(guard, check)));
+  sms::edge_collapse(mesh, StopAtFaces{static_cast<std::size_t>(faces)},
+                     CGAL::parameters::get_cost(cost)
+                         .get_placement(placement)
+                         .filter(PlacementFilter{guard})
+                         .visitor(Visitor(guard, check)));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TriangleMesh part(const TriangleMesh& mesh, std::span<const std::int32_t> triang
 }  // namespace
 
 TriangleMesh expand(const TriangleMesh& coarse, const TriangleMesh& flowed, std::span<const std::int32_t> stuck,
-                    double gap, double reach, const ContactOptions& options) {
+                    double gap, double reach, const ContactSolverOptions& options) {
   ContactSolver solver(coarse, options);
   const SignedDistance distance(flowed, Sign::winding);
   const Obstacle cutting(part(flowed, stuck));

@@ -15,6 +15,6 @@ namespace encage::makers {
 /// winding numbers, since F may be a soup and intersects itself while it flows. Faces move that are not `gap` outside
 /// of F, or that `stuck` triangles of F cut through. `reach` limits the step, a length.
 TriangleMesh expand(const TriangleMesh& coarse, const TriangleMesh& flowed, std::span<const std::int32_t> stuck,
-                    double gap, double reach, const ContactOptions& options);
+                    double gap, double reach, const ContactSolverOptions& options);
 
 }  // namespace encage::makers

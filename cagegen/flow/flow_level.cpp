@@ -271,8 +271,8 @@ class FlowLevel {
     result.reinflate_seconds += seconds_since(start);
   }
 
-  ContactOptions contact_options() const {
-    ContactOptions options;
+  ContactSolverOptions contact_options() const {
+    ContactSolverOptions options;
     options.clearance = request_.clearance;
     options.self_clearance = self_clearances * request_.clearance;
     options.threads = request_.threads;

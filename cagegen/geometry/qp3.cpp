@@ -18,11 +18,11 @@ constexpr double parallel_sine = 1e-9;        // sine below which two normals co
 
 /// Closest point to `target` on the line point + t direction within the half-spaces.
 std::optional<Eigen::Vector3d> nearest_on_line(const Eigen::Vector3d& target, const Eigen::Vector3d& point,
-                                               const Eigen::Vector3d& direction, std::span<const HalfSpace> constraints,
-                                               double tolerance) {
+                                               const Eigen::Vector3d& direction,
+                                               std::span<const LinearConstraint> constraints, double tolerance) {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  for (const HalfSpace& c : constraints) {
+  for (const LinearConstraint& c : constraints) {
     const double slope = c.normal.dot(direction);
     const double gap = c.offset - c.normal.dot(point);
     if (std::abs(slope) < parallel_sine) {
@@ -38,12 +38,12 @@ std::optional<Eigen::Vector3d> nearest_on_line(const Eigen::Vector3d& target, co
   return point + t * direction;
 }
 
-std::optional<Eigen::Vector3d> nearest_on_plane(const Eigen::Vector3d& target, const HalfSpace& plane,
-                                                std::span<const HalfSpace> constraints, double tolerance) {
+std::optional<Eigen::Vector3d> nearest_on_plane(const Eigen::Vector3d& target, const LinearConstraint& plane,
+                                                std::span<const LinearConstraint> constraints, double tolerance) {
   const Eigen::Vector3d foot = target + (plane.offset - plane.normal.dot(target)) * plane.normal;
   Eigen::Vector3d best = foot;
   for (std::size_t j = 0; j < constraints.size(); ++j) {
-    const HalfSpace& c = constraints[j];
+    const LinearConstraint& c = constraints[j];
     const double gap = c.offset - c.normal.dot(best);
     if (gap <= tolerance) continue;
     Eigen::Vector3d direction = plane.normal.cross(c.normal);
@@ -64,15 +64,15 @@ std::optional<Eigen::Vector3d> nearest_on_plane(const Eigen::Vector3d& target, c
 }  // namespace
 
 std::optional<Eigen::Vector3d> solve_qp(const Eigen::Matrix3d& a, const Eigen::Vector3d& b,
-                                        std::span<const HalfSpace> constraints) {
+                                        std::span<const LinearConstraint> constraints) {
   // With A = LL', y = L'p turns the problem into a projection of L^-1 b.
   const Eigen::LLT<Eigen::Matrix3d> factor(a);
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::Vector3d target = factor.matrixL().solve(b);
-  std::array<HalfSpace, max_constraints> whitened;
+  std::array<LinearConstraint, max_constraints> whitened;
   std::size_t count = 0;
   double scale = target.norm();
-  for (const HalfSpace& c : constraints) {
+  for (const LinearConstraint& c : constraints) {
     if (count == whitened.size()) break;  // those left out are tested by the caller like all others
     Eigen::Vector3d normal = factor.matrixL().solve(c.normal);
     const double length = normal.norm();
@@ -81,7 +81,7 @@ std::optional<Eigen::Vector3d> solve_qp(const Eigen::Matrix3d& a, const Eigen::V
     scale = std::max(scale, std::abs(c.offset / length));
   }
   const double tolerance = relative_tolerance * scale;
-  const std::span<const HalfSpace> all(whitened.data(), count);
+  const std::span<const LinearConstraint> all(whitened.data(), count);
   Eigen::Vector3d best = target;
   for (std::size_t i = 0; i < count; ++i) {
     if (all[i].offset - all[i].normal.dot(best) <= tolerance) continue;

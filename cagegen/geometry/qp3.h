@@ -9,7 +9,7 @@
 namespace encage::makers {
 
 /// normal . p >= offset
-struct HalfSpace {
+struct LinearConstraint {
   Eigen::Vector3d normal;
   double offset;
 };
@@ -17,6 +17,6 @@ struct HalfSpace {
 /// Minimises 1/2 p'Ap - b'p (A symmetric positive definite) under the constraints; no value if they exclude each other.
 /// Exact up to rounding: incremental, like Seidel's linear programming, in order of the constraints.
 std::optional<Eigen::Vector3d> solve_qp(const Eigen::Matrix3d& a, const Eigen::Vector3d& b,
-                                        std::span<const HalfSpace> constraints);
+                                        std::span<const LinearConstraint> constraints);
 
 }  // namespace encage::makers

@@ -13,7 +13,7 @@ namespace encage::io {
 namespace {
 
 /// The elements of an accessor, not copied: `count` of them, `stride` bytes apart.
-struct View {
+struct AccessorView {
   const unsigned char* data = nullptr;
   std::size_t stride = 0;
   std::size_t count = 0;
@@ -28,9 +28,9 @@ T load(const unsigned char* data) {
 }
 
 /// Collects the triangles of a scene.
-class Scene {
+class GltfScene {
  public:
-  Scene(const std::filesystem::path& file, const tinygltf::Model& model) : file_(file), model_(model) {}
+  GltfScene(const std::filesystem::path& file, const tinygltf::Model& model) : file_(file), model_(model) {}
 
   Soup read() {
     visited_.assign(model_.nodes.size(), false);
@@ -119,7 +119,7 @@ class Scene {
       const auto position = primitive.attributes.find("POSITION");
       if (position == primitive.attributes.end()) fail(file_, "mesh", number, "a primitive has no positions");
       const auto [base, is_new] = bases.try_emplace(position->second, soup_.vertex_count());
-      const View positions = view(position->second, TINYGLTF_TYPE_VEC3);
+      const AccessorView positions = view(position->second, TINYGLTF_TYPE_VEC3);
       if (positions.component != TINYGLTF_COMPONENT_TYPE_FLOAT) {
         fail(file_, "accessor", position->second, "positions must be float (quantized meshes are not supported)");
       }
@@ -130,7 +130,7 @@ class Scene {
     }
   }
 
-  void add_vertices(const View& positions, const Eigen::Affine3d& to_scene) {
+  void add_vertices(const AccessorView& positions, const Eigen::Affine3d& to_scene) {
     for (std::size_t i = 0; i < positions.count; ++i) {
       const unsigned char* const data = positions.data + i * positions.stride;
       const Eigen::Vector3d point =
@@ -142,7 +142,7 @@ class Scene {
   void add_triangles(int accessor, int mode, std::int64_t base, std::int64_t vertices, bool mirrored) {
     std::vector<std::int64_t> indices;
     if (accessor >= 0) {
-      const View indexed = view(accessor, TINYGLTF_TYPE_SCALAR);
+      const AccessorView indexed = view(accessor, TINYGLTF_TYPE_SCALAR);
       for (std::size_t i = 0; i < indexed.count; ++i) {
         indices.push_back(index(indexed, i, accessor));
         if (indices.back() >= vertices) {
@@ -168,7 +168,7 @@ class Scene {
     }
   }
 
-  std::int64_t index(const View& indices, std::size_t i, int accessor) const {
+  std::int64_t index(const AccessorView& indices, std::size_t i, int accessor) const {
     const unsigned char* const data = indices.data + i * indices.stride;
     switch (indices.component) {
       case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return *data;
@@ -178,7 +178,7 @@ class Scene {
     }
   }
 
-  View view(int number, int type) const {
+  AccessorView view(int number, int type) const {
     if (number < 0 || number >= static_cast<int>(model_.accessors.size())) {
       fail(file_, "accessor", number, "does not exist");
     }
@@ -266,7 +266,7 @@ Soup read_gltf(const std::filesystem::path& file, std::string_view bytes) {
       fail(file, "the extension " + extension + " is not supported");
     }
   }
-  return Scene(file, model).read();
+  return GltfScene(file, model).read();
 }
 
 }  // namespace encage::io

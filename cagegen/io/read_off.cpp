@@ -8,7 +8,7 @@ namespace encage::io {
 namespace {
 
 /// The prefixes of Geomview's OFF that matter to us; the rest of a line (normals, colours, texture) is skipped.
-struct Header {
+struct OffHeader {
   bool homogeneous = false;
   std::int64_t vertices = 0;
   std::int64_t faces = 0;
@@ -20,8 +20,8 @@ std::int64_t read_count(TextScanner& scanner, std::string_view token, const char
   return count;
 }
 
-Header read_header(TextScanner& scanner) {
-  Header header;
+OffHeader read_header(TextScanner& scanner) {
+  OffHeader header;
   std::string_view token = scanner.token();
   if (token.ends_with("OFF")) {  // the keyword may be missing
     std::string_view prefix = token.substr(0, token.size() - 3);
@@ -47,7 +47,7 @@ Header read_header(TextScanner& scanner) {
 
 Soup read_off(const std::filesystem::path& file, std::string_view bytes) {
   TextScanner scanner(file, bytes);
-  const Header header = read_header(scanner);
+  const OffHeader header = read_header(scanner);
   Soup soup;
   soup.coordinates.reserve(plausible_count(header.vertices, bytes.size() / 6) * 3);
   soup.first.reserve(plausible_count(header.faces, bytes.size() / 8) + 1);

@@ -39,7 +39,7 @@ struct Element {
 
 enum class Format { ascii, little_endian, big_endian };
 
-struct Header {
+struct PlyHeader {
   Format format = Format::ascii;
   std::vector<Element> elements;
 };
@@ -49,8 +49,8 @@ class HeaderReader {
  public:
   HeaderReader(const std::filesystem::path& file, std::string_view& bytes) : file_(file), bytes_(bytes) {}
 
-  Header read() {
-    Header header;
+  PlyHeader read() {
+    PlyHeader header;
     if (words() != std::vector<std::string>{"ply"}) fail("not a PLY file");
     const std::vector<std::string> format = words();
     if (format.size() < 2 || format[0] != "format") fail("expected 'format'");
@@ -230,7 +230,7 @@ void skip(const Element& element, Body& body) {
 }  // namespace
 
 Soup read_ply(const std::filesystem::path& file, std::string_view bytes) {
-  const Header header = HeaderReader(file, bytes).read();
+  const PlyHeader header = HeaderReader(file, bytes).read();
   Body body(file, bytes, header.format);
   Soup soup;
   for (const Element& element : header.elements) {

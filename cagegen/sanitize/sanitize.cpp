@@ -5,6 +5,7 @@
 #include "cagegen/sanitize/orient.h"
 #include "cagegen/sanitize/weld.h"
 #include "src/files/hash.h"
+#include "src/limits.h"
 
 #include <encage/bake.h>
 
@@ -26,9 +27,6 @@ using io::Side;
 constexpr double flat = 1e-9;
 /// Thickness of the triangles that replace degenerate ones, in diagonals.
 constexpr double sliver_thickness = 1e-6;
-/// float32 holds local coordinates, and cages a few diagonals around them, as normal numbers with all their bits.
-constexpr double largest_extent = 1e37;
-constexpr double smallest_extent = 1e-30;
 
 void validate(const TriangleMesh& mesh) {
   if (mesh.triangles.rows() == 0) throw Error("the mesh has no triangles");
@@ -83,7 +81,7 @@ void localise(TriangleMesh& mesh, SourceMesh& source) {
   const Eigen::AlignedBox3d box = bounds(mesh);
   const double extent = box.sizes().maxCoeff();
   if (extent == 0) throw Error("the mesh is a single point");
-  if (!(extent <= largest_extent)) throw Error("the mesh is too large for float32: its extent is above 1e37");
+  if (!(extent <= largest_coordinate)) throw Error("the mesh is too large for float32: its extent is above 1e37");
   if (extent < smallest_extent) throw Error("the mesh is too small for float32: its extent is below 1e-30");
   source.diagonal = box.diagonal().norm();
   source.origin = local_origin(box);
@@ -160,7 +158,7 @@ Triangles select(const Triangles& triangles, const std::vector<char>& drop) {
 }
 
 /// A surface, and whether it encloses a solid.
-struct Surface {
+struct EnclosingSurface {
   TriangleMesh mesh;
   std::int64_t cap_count = 0;
   std::int64_t loops = 0;
@@ -194,7 +192,7 @@ Edges inspect(const Triangles& triangles, const EdgeTable& table) {
   return result;
 }
 
-void append_caps(Surface& surface, const EdgeTable& edges, const io::Components& components) {
+void append_caps(EnclosingSurface& surface, const EdgeTable& edges, const io::Components& components) {
   std::vector<std::array<std::int32_t, 3>> caps;
   for (const io::Loop& loop : io::boundary_loops(surface.mesh.triangles, edges, components)) {
     io::cap_loop(surface.mesh, loop, caps);
@@ -218,8 +216,8 @@ std::int64_t count_turned(const io::Components& components, const std::vector<ch
 }
 
 /// Makes the orientation consistent and outward, and closes the boundary with caps where that yields a solid.
-Surface close(TriangleMesh mesh, double diagonal) {
-  Surface surface;
+EnclosingSurface close(TriangleMesh mesh, double diagonal) {
+  EnclosingSurface surface;
   surface.mesh = std::move(mesh);
   Triangles& triangles = surface.mesh.triangles;
   const Eigen::Index vertex_count = surface.mesh.vertices.rows();
@@ -268,13 +266,13 @@ SourceMesh sanitize(const TriangleMesh& input) {
     drop_unused_vertices(mesh);
     return close(std::move(mesh), source.diagonal);
   };
-  Surface surface = surface_without(duplicates.again);
+  EnclosingSurface surface = surface_without(duplicates.again);
   source.report.duplicate_triangles = duplicates.count;
   if (surface.solid != Solid::closed && duplicates.has_opposite) {
     // A sheet of zero thickness may need both of its sides to close the surface.
     std::vector<char> drop = duplicates.again;
     for (std::size_t t = 0; t < drop.size(); ++t) drop[t] = static_cast<char>(drop[t] && !duplicates.opposite[t]);
-    Surface both = surface_without(drop);
+    EnclosingSurface both = surface_without(drop);
     if (both.solid == Solid::closed) {
       surface = std::move(both);
       source.report.duplicate_triangles = std::count(drop.begin(), drop.end(), char{1});

@@ -46,13 +46,13 @@ struct QueryArguments {
 };
 
 /// Pairs that are left over after each stage.
-struct Counts {
+struct StageCounts {
   std::int64_t pairs = 0;
   std::int64_t boxes = 0;
   std::vector<std::int64_t> cages;  ///< fine to coarse
   std::int64_t touching = 0;
 
-  explicit Counts(std::size_t levels) : cages(levels) {}
+  explicit StageCounts(std::size_t levels) : cages(levels) {}
 
   void add(const Verdict& verdict) {
     ++pairs;
@@ -66,7 +66,7 @@ struct Counts {
     touching += !verdict.separated;
   }
 
-  void add(const Counts& other) {
+  void add(const StageCounts& other) {
     pairs += other.pairs;
     boxes += other.boxes;
     for (std::size_t k = 0; k < cages.size(); ++k) cages[k] += other.cages[k];
@@ -76,7 +76,7 @@ struct Counts {
 
 struct StepCounts {
   std::int64_t step = 0;
-  Counts counts;
+  StageCounts counts;
 };
 
 struct Level {
@@ -86,7 +86,7 @@ struct Level {
 struct QueryResult {
   std::vector<Level> levels;  ///< fine to coarse; the shorter list goes on with its coarsest
   std::vector<StepCounts> steps;
-  Counts totals{0};
+  StageCounts totals{0};
 };
 
 std::vector<Level> paired_levels(const Shape& a, const Shape& b) {
@@ -137,12 +137,12 @@ QueryResult query(const QueryArguments& a) {
 
   QueryResult result;
   result.levels = paired_levels(*first, *others);
-  result.totals = Counts(result.levels.size());
+  result.totals = StageCounts(result.levels.size());
   const std::size_t end = a.continuous ? poses.size() - 1 : poses.size();
   for (std::size_t i = 0; i < end; i += static_cast<std::size_t>(a.every)) {
     const std::vector<MovingBody> bodies =
         bodies_of(poses[i], a.continuous ? &poses[i + 1] : nullptr, *first, *others, first_body, a.poses.string());
-    Counts counts(result.levels.size());
+    StageCounts counts(result.levels.size());
     for (std::size_t p = 0; p < bodies.size(); ++p) {
       for (std::size_t q = p + 1; q < bodies.size(); ++q) {
         counts.add(separated(*bodies[p].shape, bodies[p].motion, *bodies[q].shape, bodies[q].motion,
@@ -200,7 +200,7 @@ void print_steps(const QueryResult& result) {
   }
 }
 
-nlohmann::ordered_json to_json(const Counts& counts) {
+nlohmann::ordered_json to_json(const StageCounts& counts) {
   return {{"pairs", counts.pairs}, {"boxes", counts.boxes}, {"cages", counts.cages}, {"touching", counts.touching}};
 }
 

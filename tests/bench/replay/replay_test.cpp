@@ -43,8 +43,8 @@ std::vector<std::unique_ptr<Engine>> engines_of(std::unique_ptr<Engine> a, std::
 }
 
 /// The truth: (0, 3) in every step, and (6, 9) in steps that 2 divides.
-Question question_of(int steps, int runs, std::vector<Front> fronts = {}) {
-  Question question{test::crowd(steps), {}, {}, std::move(fronts), runs};
+PairQuestion question_of(int steps, int runs, std::vector<Front> fronts = {}) {
+  PairQuestion question{test::crowd(steps), {}, {}, std::move(fronts), runs};
   for (const PoseStep& step : question.steps) question.truth.push_back(Oracle("", 2).touching({step}));
   return question;
 }
@@ -98,7 +98,7 @@ TEST(Replay, ListsPairsThatAreLostBehindAFront) {
 
 TEST(Replay, HandsOnWhatIsLeftOut) {
   const auto engines = engines_of(std::make_unique<Oracle>("one", 2), std::make_unique<Oracle>("two", 2));
-  Question question = question_of(2, 1);
+  PairQuestion question = question_of(2, 1);
   question.left_out = {{{0, 3}}, {}};
   question.truth[0] = {{6, 9}};
   const Replay result = replay(engines, question);

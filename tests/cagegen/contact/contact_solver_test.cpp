@@ -214,7 +214,7 @@ TEST(Approach, TheSameForAnyNumberOfThreads) {
 
 TEST(Approach, CheckMayStopIt) {
   const Nested scene = shapes::nested()[0];
-  ContactOptions options = shapes::contact_options();
+  ContactSolverOptions options = shapes::contact_options();
   options.check = [] { throw std::runtime_error("stop"); };
   ContactSolver solver(scene.cage, options);
   EXPECT_THROW(solver.approach(Obstacle(scene.inner), solver.positions()), std::runtime_error);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double test_clearance = 1e-4;
 
-ContactOptions options(
+ContactSolverOptions options(
     int threads, std::function<void()> check = [] {}) {
   return {test_clearance, test_clearance, threads, std::move(check)};
 }

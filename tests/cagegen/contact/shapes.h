@@ -18,7 +18,7 @@ namespace encage::makers::shapes {
 
 constexpr double test_clearance = 1e-3;
 
-inline ContactOptions contact_options(int threads = 1, double self_clearance = test_clearance) {
+inline ContactSolverOptions contact_options(int threads = 1, double self_clearance = test_clearance) {
   return {test_clearance, self_clearance, threads, [] {}};
 }
 

@@ -18,15 +18,15 @@ using shapes::Random;
 
 double objective(const Matrix3d& a, const Vector3d& b, const Vector3d& p) { return 0.5 * p.dot(a * p) - b.dot(p); }
 
-double worst_violation(const std::vector<HalfSpace>& constraints, const Vector3d& p) {
+double worst_violation(const std::vector<LinearConstraint>& constraints, const Vector3d& p) {
   double worst = 0;
-  for (const HalfSpace& c : constraints) worst = std::max(worst, c.offset - c.normal.dot(p));
+  for (const LinearConstraint& c : constraints) worst = std::max(worst, c.offset - c.normal.dot(p));
   return worst;
 }
 
 /// The best point over all sets of up to three active constraints that satisfies all within `slack`.
-std::optional<Vector3d> brute_force(const Matrix3d& a, const Vector3d& b, const std::vector<HalfSpace>& constraints,
-                                    double slack) {
+std::optional<Vector3d> brute_force(const Matrix3d& a, const Vector3d& b,
+                                    const std::vector<LinearConstraint>& constraints, double slack) {
   std::optional<Vector3d> best;
   std::vector<std::size_t> active;
   const auto attempt = [&] {
@@ -69,12 +69,12 @@ Matrix3d random_matrix(Random& random, double condition) {
   return m * m.transpose() + Matrix3d::Identity() / condition;
 }
 
-std::vector<HalfSpace> random_constraints(Random& random, int count) {
-  std::vector<HalfSpace> constraints;
+std::vector<LinearConstraint> random_constraints(Random& random, int count) {
+  std::vector<LinearConstraint> constraints;
   for (int i = 0; i < count; ++i) {
-    HalfSpace c{random.point(1).normalized(), random(-1.5, 0.6)};
+    LinearConstraint c{random.point(1).normalized(), random(-1.5, 0.6)};
     if (i > 0) {
-      const HalfSpace& other = constraints[random.integer(i)];
+      const LinearConstraint& other = constraints[random.integer(i)];
       switch (random.integer(8)) {
         case 0: c = other; break;                                                              // the same again
         case 1: c = {other.normal, other.offset + random(-0.5, 0.5)}; break;                   // redundant
@@ -95,12 +95,12 @@ TEST(SolveQp, AgreesWithAllActiveSets) {
   for (int i = 0; i < 3000; ++i) {
     const Matrix3d a = random_matrix(random, i % 3 == 0 ? 1e3 : 1);
     const Vector3d b = random.point(2);
-    const std::vector<HalfSpace> constraints = random_constraints(random, random.integer(9));
+    const std::vector<LinearConstraint> constraints = random_constraints(random, random.integer(9));
     const auto found = solve_qp(a, b, constraints);
     // Problems that a shift of the planes by this much would decide otherwise have no definite answer.
     constexpr double margin = 1e-6;
-    std::vector<HalfSpace> tighter = constraints;
-    std::vector<HalfSpace> looser = constraints;
+    std::vector<LinearConstraint> tighter = constraints;
+    std::vector<LinearConstraint> looser = constraints;
     for (std::size_t k = 0; k < constraints.size(); ++k) {
       tighter[k].offset += margin;
       looser[k].offset -= margin;
@@ -124,7 +124,7 @@ TEST(SolveQp, AgreesWithAllActiveSets) {
 
 TEST(SolveQp, KnownAnswers) {
   const Matrix3d one = Matrix3d::Identity();
-  const auto solve = [&](const Vector3d& b, std::vector<HalfSpace> constraints) {
+  const auto solve = [&](const Vector3d& b, std::vector<LinearConstraint> constraints) {
     return solve_qp(one, b, constraints);
   };
   EXPECT_EQ(*solve({1, 2, 3}, {}), Vector3d(1, 2, 3));
@@ -147,9 +147,9 @@ TEST(SolveQp, ScalesWithTheProblem) {
     for (int i = 0; i < 200; ++i) {
       const Matrix3d a = random_matrix(random, 10);
       const Vector3d b = random.point(2);
-      std::vector<HalfSpace> constraints = random_constraints(random, 4);
+      std::vector<LinearConstraint> constraints = random_constraints(random, 4);
       const auto unit = solve_qp(a, b, constraints);
-      for (HalfSpace& c : constraints) c.offset *= scale;
+      for (LinearConstraint& c : constraints) c.offset *= scale;
       const auto scaled = solve_qp(a, b * scale, constraints);
       ASSERT_EQ(unit.has_value(), scaled.has_value());
       EXPECT_LT((scaled.value_or(Vector3d::Zero()) / scale - unit.value_or(Vector3d::Zero())).norm(), 1e-6);
