@@ -17,8 +17,9 @@ namespace {
 GateBody body_of(const Surface& surface) { return {surface.radius, surface.tree.grid}; }
 
 BoxGate gate_of(const Workload& w, const Surface& surface, const Case& c) {
-  return {pair_motion(*w.shape, c.a, *w.shape, c.b), body_of(surface), body_of(surface),
-          required_distance(*w.shape, c.a, *w.shape, c.b, 0)};
+  const LocalFrame& frame = w.shape->simple().frame;
+  return {pair_motion(frame, c.a, frame, c.b), body_of(surface), body_of(surface),
+          required_distance(frame, c.a, frame, c.b, 0)};
 }
 
 std::vector<BoxGate> gates_of(const Workload& w, const Surface& surface, bool moving) {

@@ -48,7 +48,8 @@ void add_points(const std::string& level, const Surface& surface, const Workload
   const std::vector<LocalPoint>& points = kept.emplace_back(points_in_box(surface));
   add("kernel/locate/" + level, points, [](const LocalPoint& p) { return locate(*p.surface, p.point); });
   add("kernel/all_outside/" + level, w.cases, [&](const Case& c) {
-    return all_outside(surface, surface, relative_frame(*w.shape, c.a.start, *w.shape, c.b.start));
+    return all_outside(surface, surface,
+                       relative_frame(w.shape->simple().frame, c.a.start, w.shape->simple().frame, c.b.start));
   });
 }
 

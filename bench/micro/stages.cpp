@@ -3,6 +3,7 @@
 #include "broadphase/motion/pair_motion.h"
 #include "broadphase/motion/turned_box.h"
 #include "broadphase/shape/shape.h"
+#include "broadphase/shape/world_box.h"
 
 #include <encage/contact.h>
 
@@ -73,7 +74,7 @@ int candidates(const Shape& shape, const Case& c) {
 /// The ground, into which the body's box reaches, or just below it.
 HalfSpace ground(const Shape& shape, const Motion& motion, bool reached) {
   const double height = world_box(shape, motion).min().z();
-  return {Eigen::Vector3d::UnitZ(), height + (reached ? 0.01 : -0.01) * shape.radius};
+  return {Eigen::Vector3d::UnitZ(), height + (reached ? 0.01 : -0.01) * shape.simple().frame.radius};
 }
 
 struct BodyOnGround {
@@ -94,7 +95,7 @@ void add_stages(const Workload& w) {
   static const std::vector<Motion> bodies_at_rest = resting(w.bodies);
   const Shape& shape = *w.shape;
   static const Eigen::AlignedBox3d body_box = world_box(shape, Motion{});
-  add("stage/ball_box", w.bodies, [&](const Motion& m) { return ball_box(shape, m.start); });
+  add("stage/ball_box", w.bodies, [&](const Motion& m) { return ball_box(shape, {m.start, 1}); });
   add("stage/turned_box", w.bodies, [](const Motion& m) { return turned_box(body_box, m.start); });
   add("stage/world_box/rest", bodies_at_rest, [&](const Motion& m) { return world_box(shape, m); });
   add("stage/world_box/moving", w.bodies, [&](const Motion& m) { return world_box(shape, m); });
@@ -107,7 +108,7 @@ void add_stages(const Workload& w) {
   add("stage/half_space/reached/rest", resting_on, reaches);
   add("stage/half_space/reached/moving", landing, reaches);
   add("stage/half_space/free/moving", above, reaches);
-  if (shape.fine.empty()) return;
+  if (shape.simple().fine.empty()) return;
   add("stage/candidates/rest", cases_at_rest, [&](const Case& c) { return candidates(shape, c); });
   add("stage/candidates/moving", w.cases, [&](const Case& c) { return candidates(shape, c); });
   add("stage/first_contact", w.cases, [&](const Case& c) { return first_contact(shape, c.a, shape, c.b); });

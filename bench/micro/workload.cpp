@@ -4,6 +4,7 @@
 #include "bench/common/process.h"
 #include "bench/common/recorded_poses.h"
 #include "broadphase/motion/pair_motion.h"
+#include "broadphase/motion/turned_box.h"
 #include "broadphase/separation/box_gate.h"
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/shape.h"
@@ -130,8 +131,9 @@ std::vector<TrianglePairCase> near_triangles(const Workload& workload) {
   std::vector<TrianglePairCase> found;
   const Surface& fine = workload.shape->simple().fine;
   for (const Case& c : workload.cases) {
-    const PairMotion motion = pair_motion(*workload.shape, c.a, *workload.shape, c.b);
-    const double distance = required_distance(*workload.shape, c.a, *workload.shape, c.b, 0);
+    const LocalFrame& frame = workload.shape->simple().frame;
+    const PairMotion motion = pair_motion(frame, c.a, frame, c.b);
+    const double distance = required_distance(frame, c.a, frame, c.b, 0);
     const GateBody body{fine.radius, fine.tree.grid};
     LeafPairs context{fine, motion, found};
     visit_leaf_pairs(
