@@ -46,6 +46,15 @@ function(encage_precompile target)
   endforeach()
 endfunction()
 
+# encage_unity(target batch): compiles so many files of the target at a time, which reads headers and instantiates
+# templates once for all of them. Names in unnamed namespaces have to differ within a target. Where headers are not
+# precompiled each file is compiled by itself, so that files include what they name.
+function(encage_unity target batch)
+  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+  endif()
+endfunction()
+
 # encage_library(name sources...): a part of ours, alias encage::name. Always static, and never installed: programs
 # and tests of this project link parts and see all of them; other projects link the products made of them.
 function(encage_library name)

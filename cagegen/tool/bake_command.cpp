@@ -24,7 +24,7 @@ namespace encage::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* bake_examples = R"(Examples:
   encage bake model.obj
       cages that suit the model's size, into model.glb in the current folder
   encage bake model.obj -o cages.glb --faces 8000,2000,500
@@ -153,7 +153,7 @@ int run_bake(BakeArguments& arguments) {
 
 void add_bake(CLI::App& app, int& status) {
   CLI::App* bake = app.add_subcommand("bake", "Bake certified nested cages around a mesh");
-  bake->footer(examples);
+  bake->footer(bake_examples);
   const auto a = std::make_shared<BakeArguments>();
   bake->add_option("input", a->input, "Mesh: .obj, .ply, .stl, .off, .gltf or .glb")->required()->type_name("IN");
   bake->add_option("-o,--output", a->output, "Asset to write; by default IN's name with .glb in the current folder")

@@ -21,7 +21,7 @@ namespace encage::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* check_examples = R"(Examples:
   encage check model.glb
       every byte against its hash; every cage proven again around the next finer level
   encage check model.glb --source model.obj
@@ -125,7 +125,7 @@ nlohmann::ordered_json to_json(const CheckArguments& a, const CheckReport& repor
 
 void add_check(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("check", "Prove the cages of an asset again");
-  command->footer(examples);
+  command->footer(check_examples);
   const auto a = std::make_shared<CheckArguments>();
   command->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
   command->add_option("--source", a->source, "The mesh that it was baked from")->type_name("FILE");

@@ -14,7 +14,7 @@ namespace encage::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* export_examples = R"(Examples:
   encage export model.glb --level 1 -o cage.obj
       the finest cage, in the coordinates of the source file
   encage export model.glb --level 0 -o source.ply
@@ -40,7 +40,7 @@ TriangleMesh level_of(const CageHierarchy& hierarchy, const ExportArguments& arg
 
 void add_export(CLI::App& app, int& /*status*/) {
   CLI::App* command = app.add_subcommand("export", "Write one level of an asset as a mesh file");
-  command->footer(examples);
+  command->footer(export_examples);
   const auto a = std::make_shared<ExportArguments>();
   command->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
   command->add_option("--level", a->level, "0: the source; 1: the finest cage; and so on")

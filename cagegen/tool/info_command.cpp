@@ -14,7 +14,7 @@ namespace encage::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* info_examples = R"(Examples:
   encage info model.glb
       source, options and certificates, as text
   encage info model.glb --json
@@ -69,7 +69,7 @@ void print(const CageHierarchy& hierarchy) {
 
 void add_info(CLI::App& app, int& /*status*/) {
   CLI::App* info = app.add_subcommand("info", "Print what an asset holds");
-  info->footer(examples);
+  info->footer(info_examples);
   const auto a = std::make_shared<InfoArguments>();
   info->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
   info->add_flag("--json", a->json, "Print JSON");

@@ -21,7 +21,7 @@
 namespace encage::tool {
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* query_examples = R"(Examples:
   encage query octopus.glb --poses bouncing.csv
       every body of the pose file is an octopus
   encage query mug.glb spoon.glb --poses table.csv --margin 0.001 --json table.json
@@ -242,7 +242,7 @@ void run(const QueryArguments& a) {
 void add_query(CLI::App& app, int& /*status*/) {
   CLI::App* query_app =
       app.add_subcommand("query", "Reject pairs of bodies on recorded poses; count what each stage rejects");
-  query_app->footer(examples);
+  query_app->footer(query_examples);
   const auto a = std::make_shared<QueryArguments>();
   query_app->add_option("A", a->asset_a, "Asset written by encage bake")->required()->type_name("A.glb");
   query_app->add_option("B", a->asset_b, "Asset of all bodies but the one with the lowest number")->type_name("B.glb");

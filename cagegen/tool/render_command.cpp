@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* examples = R"(Without --cut, level 0 (the source, yellow) is shown solid and the outermost cage
+constexpr const char* render_examples = R"(Without --cut, level 0 (the source, yellow) is shown solid and the outermost cage
 translucent over it. With --cut, the half nearer to the eye is removed and every
 level drawn as a contour in the plane.
 
@@ -105,7 +105,7 @@ void run(const RenderArguments& a) {
 
 void add_render(CLI::App& app, int& /*status*/) {
   CLI::App* command = app.add_subcommand("render", "Draw an asset or a mesh file as a PNG picture");
-  command->footer(examples);
+  command->footer(render_examples);
   const auto a = std::make_shared<RenderArguments>();
   command->add_option("input", a->input, "Asset (.glb) or mesh file")->required()->type_name("IN");
   command->add_option("-o,--output", a->output, "Picture to write")->required()->type_name("OUT.png");

@@ -61,7 +61,7 @@ Model without_cages(const std::string& file, Model::Outcome outcome, const std::
   return model;
 }
 
-const std::vector<std::int64_t> faces = {500, 100};
+const std::vector<std::int64_t> compared_faces = {500, 100};
 
 const std::vector<Contender> methods = {
     {"flow",
@@ -94,22 +94,22 @@ std::vector<std::string> rows(const std::string& text, const std::string& headin
 }
 
 TEST(Comparison, LinesShowExcessOrReason) {
-  const std::string line = comparison_line("flow", methods[0].models[0], faces);
+  const std::string line = comparison_line("flow", methods[0].models[0], compared_faces);
   for (const char* part : {"a.off", "flow", "1.00", "0.0200", "0.1250", "yes"}) {
     EXPECT_NE(line.find(part), std::string::npos) << part << " is not in " << line;
   }
-  EXPECT_NE(comparison_line("flow", methods[0].models[1], faces).find(" stalls\n"), std::string::npos);
-  EXPECT_EQ(comparison_line("hull", without_cages("b.off", Model::Outcome::skipped, ""), faces), "");
+  EXPECT_NE(comparison_line("flow", methods[0].models[1], compared_faces).find(" stalls\n"), std::string::npos);
+  EXPECT_EQ(comparison_line("hull", without_cages("b.off", Model::Outcome::skipped, ""), compared_faces), "");
 }
 
 TEST(Comparison, TextSummarizesEachContender) {
-  const std::string text = comparison_text(methods, faces);
+  const std::string text = comparison_text(methods, compared_faces);
   EXPECT_NE(text.find("flow\ncertified: 1 of 2 meshes"), std::string::npos) << text;
   EXPECT_NE(text.find("collapse\ncertified: 2 of 2 meshes"), std::string::npos) << text;
 }
 
 TEST(Comparison, JsonHasEveryModelOfEveryContender) {
-  const Json json = comparison_json(with_baseline(std::nullopt, Plain{100, 1.5, true, 0}), faces);
+  const Json json = comparison_json(with_baseline(std::nullopt, Plain{100, 1.5, true, 0}), compared_faces);
   ASSERT_EQ(json.at("models").size(), 7U);
   EXPECT_EQ(json["models"][0].at("method"), "flow");
   EXPECT_EQ(json["models"][1].at("error"), "b.off: stalls");
@@ -122,7 +122,7 @@ TEST(Comparison, JsonHasEveryModelOfEveryContender) {
 }
 
 TEST(Comparison, MarkdownHasOneRowAMesh) {
-  const std::string text = comparison_markdown(methods, faces, "encage-zoo dir");
+  const std::string text = comparison_markdown(methods, compared_faces, "encage-zoo dir");
   const std::vector<std::string> summary = rows(text, "");
   ASSERT_EQ(summary.size(), 4U) << text;
   EXPECT_EQ(summary[2], "| flow | 1 of 2 | 1.00 | 0.0200 (1) | 0.1250 (1) |");
@@ -139,7 +139,8 @@ TEST(Comparison, MarkdownHasOneRowAMesh) {
 }
 
 TEST(Comparison, MarkdownSetsABaselineBesideTheFirstMethod) {
-  const std::string held = comparison_markdown(with_baseline(std::nullopt, Plain{100, 1.5, true, 0}), faces, "");
+  const std::string held =
+      comparison_markdown(with_baseline(std::nullopt, Plain{100, 1.5, true, 0}), compared_faces, "");
   std::vector<std::string> summary = rows(held, "Beside plain methods");
   ASSERT_EQ(summary.size(), 4U) << held;
   EXPECT_EQ(summary[2], "| hull | 500 | 0 | 0 | 0 | 0 | 0 | – | – |");
@@ -148,11 +149,11 @@ TEST(Comparison, MarkdownSetsABaselineBesideTheFirstMethod) {
   ASSERT_EQ(table.size(), 3U) << held;
   EXPECT_EQ(table[2], "| a.off | 0.0200 / 0.1250 | – / 0.5000 |");
   // Its rows are of no method's table.
-  EXPECT_EQ(rows(held, "Mesh by mesh"), rows(comparison_markdown(methods, faces, ""), "Mesh by mesh"));
+  EXPECT_EQ(rows(held, "Mesh by mesh"), rows(comparison_markdown(methods, compared_faces, ""), "Mesh by mesh"));
 
   // Cages that are none count, but their volume does not.
   const std::string broken =
-      comparison_markdown(with_baseline(Plain{500, 1.25, false, 3}, Plain{0, 0, false, 0}), faces, "");
+      comparison_markdown(with_baseline(Plain{500, 1.25, false, 3}, Plain{0, 0, false, 0}), compared_faces, "");
   summary = rows(broken, "Beside plain methods");
   EXPECT_EQ(summary.at(2), "| hull | 500 | 1 | 1 | 0 | 1 | 0 | – | – |");
   EXPECT_EQ(summary.at(3), "| hull | 100 | 1 | 0 | 0 | 0 | 0 | – | – |");

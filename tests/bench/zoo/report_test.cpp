@@ -33,7 +33,7 @@ Model refused(const std::string& file, Model::Outcome outcome, const std::string
   return model;
 }
 
-const std::vector<std::int64_t> faces = {2000, 500, 100};
+const std::vector<std::int64_t> reported_faces = {2000, 500, 100};
 
 const std::vector<Model> models = {
     baked("a.off", true, 1, {{2000, 1.01}, {500, 1.02}, {100, 1.1}}),
@@ -45,17 +45,17 @@ const std::vector<Model> models = {
 };
 
 TEST(LevelFor, MatchesTheLevelsThatWereNotSkipped) {
-  EXPECT_EQ(level_for(models[0], faces, 1).at("faces"), 500);
-  EXPECT_TRUE(level_for(models[1], faces, 0).is_null());
-  EXPECT_EQ(level_for(models[1], faces, 1).at("faces"), 498);
-  EXPECT_EQ(level_for(models[1], faces, 2).at("faces"), 100);
-  EXPECT_TRUE(level_for(models[2], faces, 1).is_null());
-  EXPECT_EQ(level_for(models[2], faces, 2).at("faces"), 12);
-  EXPECT_TRUE(level_for(models[4], faces, 0).is_null());
+  EXPECT_EQ(level_for(models[0], reported_faces, 1).at("faces"), 500);
+  EXPECT_TRUE(level_for(models[1], reported_faces, 0).is_null());
+  EXPECT_EQ(level_for(models[1], reported_faces, 1).at("faces"), 498);
+  EXPECT_EQ(level_for(models[1], reported_faces, 2).at("faces"), 100);
+  EXPECT_TRUE(level_for(models[2], reported_faces, 1).is_null());
+  EXPECT_EQ(level_for(models[2], reported_faces, 2).at("faces"), 12);
+  EXPECT_TRUE(level_for(models[4], reported_faces, 0).is_null());
 }
 
 TEST(Summarize, CountsAndMedians) {
-  const Summary summary = summarize(models, faces);
+  const Summary summary = summarize(models, reported_faces);
   EXPECT_EQ(summary.meshes, 5);
   EXPECT_EQ(summary.certified, 4);
   EXPECT_EQ(summary.no_meshes, 1);
@@ -71,33 +71,33 @@ TEST(Summarize, CountsAndMedians) {
 TEST(Summarize, AnUncertifiedLevelCounts) {
   std::vector<Model> doubtful = {models[0]};
   doubtful[0].figures["levels"][2]["certified"] = false;
-  EXPECT_EQ(summarize(doubtful, faces).certified, 0);
+  EXPECT_EQ(summarize(doubtful, reported_faces).certified, 0);
 }
 
 TEST(Summarize, AnUncertifiedLevelHasNoExcess) {
   std::vector<Model> doubtful = {models[0], models[1]};
   doubtful[0].figures["levels"][1]["certified"] = false;
-  const Summary summary = summarize(doubtful, faces);
+  const Summary summary = summarize(doubtful, reported_faces);
   EXPECT_EQ(summary.levels[1].models, 1);
   EXPECT_NEAR(summary.levels[1].median_excess_volume.value(), 0.04, 1e-12);
 }
 
 TEST(Summarize, WhatWasSkippedIsNotCounted) {
   std::vector<Model> some = {models[0], refused("g.off", Model::Outcome::skipped, "")};
-  EXPECT_EQ(summarize(some, faces).meshes, 1);
+  EXPECT_EQ(summarize(some, reported_faces).meshes, 1);
   some[0].figures["levels"][0] = nullptr;
-  const Summary summary = summarize(some, faces);
+  const Summary summary = summarize(some, reported_faces);
   EXPECT_EQ(summary.certified, 1);
   EXPECT_EQ(summary.levels[0].models, 0);
 }
 
 TEST(Summarize, NothingHasNoMedian) {
-  EXPECT_FALSE(summarize({}, faces).median_cpu_seconds.has_value());
-  EXPECT_FALSE(summarize({}, faces).levels[0].median_excess_volume.has_value());
+  EXPECT_FALSE(summarize({}, reported_faces).median_cpu_seconds.has_value());
+  EXPECT_FALSE(summarize({}, reported_faces).levels[0].median_excess_volume.has_value());
 }
 
 TEST(ToJson, HasFiguresAndErrorPerModel) {
-  const Json json = to_json(models, summarize(models, faces));
+  const Json json = to_json(models, summarize(models, reported_faces));
   ASSERT_EQ(json.at("models").size(), models.size());
   EXPECT_TRUE(json["models"][0].at("error").is_null());
   EXPECT_EQ(json["models"][0].at("levels").size(), 3U);
@@ -107,7 +107,7 @@ TEST(ToJson, HasFiguresAndErrorPerModel) {
 }
 
 TEST(ToMarkdown, EveryRowHasTheColumnsOfItsHead) {
-  const std::string text = to_markdown(models, summarize(models, faces), faces, "encage-zoo dir");
+  const std::string text = to_markdown(models, summarize(models, reported_faces), reported_faces, "encage-zoo dir");
   std::vector<int> columns;
   for (std::size_t from = 0, to = 0; (to = text.find('\n', from)) != std::string::npos; from = to + 1) {
     if (text[from] != '|') continue;
@@ -120,8 +120,8 @@ TEST(ToMarkdown, EveryRowHasTheColumnsOfItsHead) {
 }
 
 TEST(TableLine, NamesFileFiguresOrReason) {
-  EXPECT_NE(table_line(models[0], faces).find("1.020"), std::string::npos);
-  const std::string line = table_line(models[5], faces);
+  EXPECT_NE(table_line(models[0], reported_faces).find("1.020"), std::string::npos);
+  const std::string line = table_line(models[5], reported_faces);
   EXPECT_NE(line.find("f.ply"), std::string::npos);
   EXPECT_NE(line.find(" holds no faces\n"), std::string::npos);
 }

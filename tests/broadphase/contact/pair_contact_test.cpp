@@ -296,16 +296,6 @@ TEST(Contacts, LieBetweenTheBodiesAndPointFromBToA) {
   EXPECT_GT(margins, 30);
 }
 
-const Body& find(const std::vector<Body>& all, const std::string& name) {
-  return *std::find_if(all.begin(), all.end(), [&](const Body& body) { return body.sample.name == name; });
-}
-
-Pose shift(double x, double y, double z) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Vector(x, y, z);
-  return pose;
-}
-
 TEST(FirstContact, KnownFallOntoAFace) {
   const std::vector<Body> all = bodies();
   const Body& box = find(all, "box");  // half 1

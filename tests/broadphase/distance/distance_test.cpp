@@ -24,22 +24,6 @@ using Vector = Eigen::Vector3d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-Pose shift(double x, double y, double z) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Vector(x, y, z);
-  return pose;
-}
-
-std::vector<Body> bodies() {
-  std::vector<Body> all;
-  for (Sample& s : sample_shapes(0)) all.emplace_back(std::move(s));
-  return all;
-}
-
-const Body& find(const std::vector<Body>& all, const std::string& name) {
-  return *std::find_if(all.begin(), all.end(), [&](const Body& body) { return body.sample.name == name; });
-}
-
 DistanceResult ask(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b,
                    const DistanceOptions& options = {}) {
   return distance(a, Motion::resting(pose_a), b, Motion::resting(pose_b), options);
@@ -70,17 +54,17 @@ Real brute_force(const Body& a, const Motion& motion_a, const Body& b, const Mot
 
 // ---- Against brute force -------------------------------------------------
 
-constexpr int shards = 4;
+constexpr int distance_shards = 4;
 
 class Distances : public testing::TestWithParam<int> {};
 
 TEST_P(Distances, HoldAgainstExactBruteForce) {
-  const twins::Tally figures = ask_pairs("distance", twins::body_distances(), 1'600, shards, GetParam());
+  const twins::Tally figures = ask_pairs("distance", twins::body_distances(), 1'600, distance_shards, GetParam());
   EXPECT_GT(figures.rejected, figures.pairs / 5);
   EXPECT_LE(figures.far_kept, figures.far / 50);
   EXPECT_GT(figures.touching, figures.pairs / 20);
 }
-INSTANTIATE_TEST_SUITE_P(Shards, Distances, testing::Range(0, shards));
+INSTANTIATE_TEST_SUITE_P(Shards, Distances, testing::Range(0, distance_shards));
 
 TEST(TriangleDistances, HoldAgainstExactArithmetic) {
   const twins::Tally figures = ask_pairs("triangle-distance", twins::triangle_distances(), 20'000, 1, 0);
@@ -90,7 +74,7 @@ TEST(TriangleDistances, HoldAgainstExactArithmetic) {
 }
 
 TEST(Distance, BoundsDifferByRoundingHoweverFarOrNear) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   shapes::Random random(3);
   int near = 0;
   for (int round = 0; round < 400; ++round) {
@@ -140,7 +124,7 @@ TEST(Distance, LargeMeshesFarAwayTakeNoLonger) {
 // ---- Known answers -----------------------------------------------------------
 
 TEST(Distance, KnowsTheNearestFeatures) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Shape& box = *find(all, "box").shape;  // [-1, 1]^3
   Pose turned = shift(5, 0, 0);
   turned.linear() = Eigen::AngleAxisd(M_PI / 4, Vector::UnitZ()).toRotationMatrix();
@@ -166,7 +150,7 @@ TEST(Distance, KnowsTheNearestFeatures) {
 }
 
 TEST(Distance, PointsLieOnTheirTriangles) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   shapes::Random random(5);
   const Body &a = find(all, "star"), &b = find(all, "shell");
   for (int round = 0; round < 50; ++round) {
@@ -189,7 +173,7 @@ TEST(Distance, PointsLieOnTheirTriangles) {
 }
 
 TEST(Distance, IsZeroInsideASolidAndNotInACavity) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Shape &box = *find(all, "box").shape, &shell = *find(all, "shell").shape, &star = *find(all, "star").shape;
   const Motion small = Motion::resting(shift(0.1, 0.05, 0), 0.01);
   for (const bool swapped : {false, true}) {
@@ -213,7 +197,7 @@ TEST(Distance, IsZeroInsideASolidAndNotInACavity) {
 }
 
 TEST(Distance, BodiesThatCrossAreNoDistanceApart) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Shape& box = *find(all, "box").shape;
   const DistanceResult crossing = ask(box, Pose::Identity(), box, shift(1.3, 0.4, 0.7));
   EXPECT_EQ(crossing.lower, 0);
@@ -280,7 +264,7 @@ TEST(Distance, HintsLimitsAndTolerances) {
 }
 
 TEST(Distance, PosesAndOptionsThatAreNotUsableProveNothing) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Shape& box = *find(all, "box").shape;
   Pose stretched = shift(9, 0, 0);
   stretched.linear() *= 1.001;
@@ -299,7 +283,7 @@ TEST(Distance, PosesAndOptionsThatAreNotUsableProveNothing) {
 // ---- Cages ---------------------------------------------------------------
 
 TEST(CageDistance, IsNeverLargerAndGetsTighterWithTheLevel) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   shapes::Random random(11);
   double sum_coarse = 0, sum_fine = 0;
   int count = 0;
@@ -336,7 +320,7 @@ TEST(CageDistance, BodiesWithoutCagesAreInBalls) {
 }
 
 TEST(CageDistance, StandsInWhereThereIsNoFineMesh) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body cages(without_fine(find(all, "box").sample));
   const Shape& box = *find(all, "box").shape;
   const DistanceResult found = ask(*cages.shape, Pose::Identity(), box, shift(6, 0, 0));
@@ -345,7 +329,7 @@ TEST(CageDistance, StandsInWhereThereIsNoFineMesh) {
 }
 
 TEST(Distance, CompoundsAreAsNearAsTheirNearestParts) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body& box = find(all, "box");
   const std::vector<CompoundPart> parts = {
       {box.shape, shift(-10, 0, 0), 1}, {find(all, "star").shape, shift(0, 8, 0), 1}, {box.shape, shift(3, 0, 0), 0.5}};
@@ -376,7 +360,7 @@ TEST(Distance, CompoundsAreAsNearAsTheirNearestParts) {
 }
 
 TEST(Distance, OrderOfThePairAndUnitDoNotMatter) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   Pose b = shift(0.3, 1.2, 2.3);
   b.linear() = Eigen::AngleAxisd(1.1, Vector(3, -2, 1).normalized()).toRotationMatrix();
   for (const Body& first : all) {
@@ -398,7 +382,7 @@ TEST(Distance, OrderOfThePairAndUnitDoNotMatter) {
 }
 
 TEST(Distance, QueriesDoNotAllocate) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   double sum = 0;
   const long before = allocations;
   for (const Body& a : all) {

@@ -18,7 +18,7 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Pose = Eigen::Isometry3d;
 
-std::vector<Body> bodies() {
+std::vector<Body> candidate_bodies() {
   std::vector<Body> all;
   for (const Sample& sample : sample_shapes(0)) all.emplace_back(sample);
   all.emplace_back(scaled(sample_shapes(0)[2], -3));
@@ -38,7 +38,7 @@ Pairs candidates(const Body& a, const Motion& motion_a, const Body& b, const Mot
 
 TEST(Candidates, AreThePairsThatComeNearAndNoOthers) {
   shapes::Random random(1);
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = candidate_bodies();
   std::size_t found = 0, absent = 0;
   for (int round = 0; round < 150; ++round) {
     SCOPED_TRACE(round);

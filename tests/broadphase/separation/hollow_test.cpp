@@ -19,12 +19,6 @@ namespace {
 using Pose = Eigen::Isometry3d;
 using Vector = Eigen::Vector3d;
 
-Pose shift(double x, double y, double z) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Vector(x, y, z);
-  return pose;
-}
-
 bool apart(const ShapePtr& a, const ShapePtr& b, const Pose& pose_b, double margin = 0) {
   return separated(*a, Motion::resting(Pose::Identity()), *b, Motion::resting(pose_b), {.margin = margin}).separated;
 }

@@ -25,11 +25,11 @@ MovingTriangle random_triangle(shapes::Random& random, double spread) {
   return t;
 }
 
-struct Leaves {
+struct LeafPair {
   LeafLanes a, b;
   std::vector<MovingTriangle> triangles_a, triangles_b;
 
-  Leaves(shapes::Random& random, int ends) {
+  LeafPair(shapes::Random& random, int ends) {
     for (int lane = 0; lane < LeafLanes::width; ++lane) {
       triangles_a.push_back(random_triangle(random, 0.5));
       triangles_b.push_back(random_triangle(random, 0.8));
@@ -44,7 +44,7 @@ TEST(LeafGate, AnswersForEveryLaneAsIfItWereAlone) {
   int apart = 0, near = 0;
   for (int round = 0; round < 2'000; ++round) {
     const int ends = 1 + round % 2;
-    const Leaves leaves(random, ends);
+    const LeafPair leaves(random, ends);
     const double distance = random(1e-9, 0.2);
     for (int lane = 0; lane < LeafLanes::width; ++lane) {
       for (int count = 1; count <= LeafLanes::width; ++count) {
@@ -80,7 +80,7 @@ TEST(LeafGate, FindsMostOfWhatTheSlowTestsFind) {
 
 TEST(LeafGate, TellsTrianglesAsTheyWereSet) {
   shapes::Random random(3);
-  const Leaves leaves(random, 2);
+  const LeafPair leaves(random, 2);
   for (int lane = 0; lane < LeafLanes::width; ++lane) {
     const MovingTriangle t = leaves.a.triangle(lane, 2);
     for (int k = 0; k < 3; ++k) {
@@ -118,7 +118,7 @@ TEST(LeafGate, AnswersTheSameOnEveryInstructionSet) {
     std::vector<std::uint32_t> all;
     for (int round = 0; round < 2'000; ++round) {
       const int ends = 1 + round % 2;
-      const Leaves leaves(random, ends);
+      const LeafPair leaves(random, ends);
       for (int lane = 0; lane < LeafLanes::width; ++lane) {
         all.push_back(lanes_not_apart(leaves.a, lane, leaves.b, LeafLanes::width, ends, 0.05));
       }

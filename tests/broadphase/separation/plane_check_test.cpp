@@ -19,7 +19,7 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Pose = Eigen::Isometry3d;
 
-std::vector<Body> bodies() {
+std::vector<Body> plane_bodies() {
   std::vector<Body> all;
   for (const Sample& sample : sample_shapes(0)) {
     all.emplace_back(sample);
@@ -86,7 +86,7 @@ Scene random_scene(shapes::Random& random, const std::vector<Body>& all) {
 
 TEST(PlaneCheck, AgreesWithEveryVertexInLongDouble) {
   shapes::Random random(1);
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = plane_bodies();
   int beyond = 0, reaching = 0, below = 0;
   for (int round = 0; round < 20'000; ++round) {
     SCOPED_TRACE(round);

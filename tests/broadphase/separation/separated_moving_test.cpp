@@ -7,12 +7,12 @@
 namespace encage::test {
 namespace {
 
-constexpr int shards = 4;
+constexpr int moving_shards = 4;
 
 class SeparatedMoving : public testing::TestWithParam<int> {};
 
 TEST_P(SeparatedMoving, NeverMissesAContactOfBruteForce) {
-  const twins::Tally figures = ask_pairs("moving", twins::moving_pairs(), 6'000, shards, GetParam());
+  const twins::Tally figures = ask_pairs("moving", twins::moving_pairs(), 6'000, moving_shards, GetParam());
   // The test is significant only if both answers are common, also for bodies that are close.
   EXPECT_GT(figures.rejected, figures.pairs / 5);
   EXPECT_GT(figures.close, figures.pairs / 20);
@@ -24,7 +24,7 @@ TEST_P(SeparatedMoving, NeverMissesAContactOfBruteForce) {
   EXPECT_GT(figures.far, figures.sampled / 20);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shards, SeparatedMoving, testing::Range(0, shards));
+INSTANTIATE_TEST_SUITE_P(Shards, SeparatedMoving, testing::Range(0, moving_shards));
 
 }  // namespace
 }  // namespace encage::test

@@ -25,33 +25,14 @@ Verdict ask(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b
                    {.margin = margin, .cages = CageUse::always});
 }
 
-Pose shift(double x, double y, double z) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Vector(x, y, z);
-  return pose;
-}
-
-const Body& find(const std::vector<Body>& bodies, const std::string& name) {
-  for (const Body& body : bodies) {
-    if (body.sample.name == name) return body;
-  }
-  throw std::runtime_error("no sample " + name);
-}
-
-std::vector<Body> bodies(double jitter = 0) {
-  std::vector<Body> all;
-  for (Sample& s : sample_shapes(jitter)) all.emplace_back(std::move(s));
-  return all;
-}
-
 // ---- Against brute force -------------------------------------------------
 
-constexpr int shards = 4;
+constexpr int resting_shards = 4;
 
 class SeparatedResting : public testing::TestWithParam<int> {};
 
 TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
-  const twins::Tally figures = ask_pairs("resting", twins::resting_pairs(), 44'000, shards, GetParam());
+  const twins::Tally figures = ask_pairs("resting", twins::resting_pairs(), 44'000, resting_shards, GetParam());
   // The test is significant only if both answers are common.
   EXPECT_GT(figures.rejected, figures.pairs / 5);
   EXPECT_LE(figures.far_kept, figures.far / 100);
@@ -61,7 +42,7 @@ TEST_P(SeparatedResting, NeverMissesAContactOfBruteForce) {
   EXPECT_GT(figures.far, figures.sampled / 20);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shards, SeparatedResting, testing::Range(0, shards));
+INSTANTIATE_TEST_SUITE_P(Shards, SeparatedResting, testing::Range(0, resting_shards));
 
 TEST(Separated, SampleCagesNest) {
   std::vector<Sample> all = sample_shapes(1e-4);
@@ -91,7 +72,7 @@ TEST(Separated, SampleCagesNest) {
 // ---- Known answers -------------------------------------------------------
 
 TEST(Separated, NamesTheStageOfTheProof) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body& box = find(all, "box");  // half 1, cages 1.05 and 1.3
   const auto at = [&](double y) { return ask(box, shift(0, 0, 0), box, shift(1.9, y, 0)); };
   // After a turn of 45 degrees about z, faces point along (1,1,0) and world boxes overlap up to a larger distance.
@@ -114,7 +95,7 @@ TEST(Separated, NamesTheStageOfTheProof) {
 }
 
 TEST(Separated, AsksCagesOnlyInFrontOfNothingBetter) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body& box = find(all, "box");
   Pose a = Pose::Identity(), b = Pose::Identity();
   a.linear() = b.linear() = Eigen::AngleAxisd(std::atan(1.0), Vector::UnitZ()).toRotationMatrix();
@@ -133,7 +114,7 @@ TEST(Separated, AsksCagesOnlyInFrontOfNothingBetter) {
 }
 
 TEST(Separated, BodyInsideAnother) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body small(scaled(find(all, "star").sample, -4));
   for (const char* host : {"box", "l", "tetrahedron"}) {
     const Pose inside = shift(-0.6, -0.6, host == std::string("tetrahedron") ? 1 : 0.2);
@@ -147,7 +128,7 @@ TEST(Separated, BodyInsideAnother) {
 }
 
 TEST(Separated, BodyInACavity) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body& shell = find(all, "shell");  // inner half 0.8; 0.77 and 0.6 in the cages
   const Body small(scaled(find(all, "star").sample, -2));
   const Verdict verdict = ask(shell, Pose::Identity(), small, shift(0.1, 0, 0));
@@ -169,7 +150,7 @@ Body two_parts() {
 }
 
 TEST(Separated, OnePartInsideIsEnough) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body pair = two_parts();
   const Body box(without_cages(find(all, "box").sample));
   EXPECT_FALSE(ask(box, Pose::Identity(), pair, Pose::Identity()).separated);
@@ -178,7 +159,7 @@ TEST(Separated, OnePartInsideIsEnough) {
 }
 
 TEST(Separated, UnknownInteriorMayHoldOnePartOfTheGuest) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body pair = two_parts();
   const Body open(without_cages(find(all, "open box").sample));
   EXPECT_FALSE(ask(open, Pose::Identity(), pair, Pose::Identity()).separated);
@@ -187,7 +168,7 @@ TEST(Separated, UnknownInteriorMayHoldOnePartOfTheGuest) {
 }
 
 TEST(Separated, InsideOutAndDoubledSolidsAreSolid) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body small(scaled(find(all, "star").sample, -4));
   Sample s = without_cages(find(all, "box").sample);
   s.hierarchy.fine = shapes::flipped(s.hierarchy.fine);
@@ -199,7 +180,7 @@ TEST(Separated, InsideOutAndDoubledSolidsAreSolid) {
 }
 
 TEST(Separated, UnknownInteriorAnswersMaybeForWhatLiesInTheBox) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body& open = find(all, "open box");
   const Body small(scaled(find(all, "star").sample, -2));
   for (const Body& host : {open, Body(without_cages(open.sample)), Body(without_fine(open.sample))}) {
@@ -220,7 +201,7 @@ TEST(Separated, UnknownInteriorAnswersMaybeForWhatLiesInTheBox) {
 }
 
 TEST(Separated, UnknownInteriorAnswersMaybeForWhatMovesIntoIt) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   const Body open(without_cages(find(all, "open box").sample));
   const Body small(scaled(find(all, "star").sample, -2));
   const auto drop = [&](double from, double to) {
@@ -235,7 +216,7 @@ TEST(Separated, UnknownInteriorAnswersMaybeForWhatMovesIntoIt) {
 }
 
 TEST(Separated, ClosedInNameOnlyAnswersLikeAnUnknownInterior) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   Sample s = without_cages(find(all, "open box").sample);
   s.hierarchy.solid = Solid::closed;
   const Body small(scaled(find(all, "star").sample, -2));
@@ -244,7 +225,7 @@ TEST(Separated, ClosedInNameOnlyAnswersLikeAnUnknownInterior) {
 }
 
 TEST(Separated, MarginIsADistanceThatMustBeExceeded) {
-  for (const Body& box : {find(bodies(), "box"), Body(without_cages(find(bodies(), "box").sample))}) {
+  for (const Body& box : {find(sample_bodies(), "box"), Body(without_cages(find(sample_bodies(), "box").sample))}) {
     Pose turned = Pose::Identity();
     turned.linear() = Eigen::AngleAxisd(0.25, Vector(1, 2, 3).normalized()).toRotationMatrix();
     const Pose b = turned * shift(2.5, 0, 0);
@@ -275,7 +256,7 @@ TEST(Separated, FineErrorCounts) {
 }
 
 TEST(Separated, PosesThatAreNotRigidAnswerMaybe) {
-  const Body box = find(bodies(), "box");
+  const Body box = find(sample_bodies(), "box");
   Pose far = shift(100, 0, 0);
   EXPECT_TRUE(ask(box, Pose::Identity(), box, far).separated);
   for (const double bad :
@@ -292,7 +273,7 @@ TEST(Separated, PosesThatAreNotRigidAnswerMaybe) {
 }
 
 TEST(Separated, AMovingPairIsSeparatedDuringTheWholeStep) {
-  const Body box = find(bodies(), "box");
+  const Body box = find(sample_bodies(), "box");
   const Motion still = Motion::resting(Pose::Identity());
   const auto sweep = [&](const Pose& from, const Pose& to) {
     return separated(*box.shape, still, *box.shape, {from, to});
@@ -309,7 +290,7 @@ TEST(Separated, AMovingPairIsSeparatedDuringTheWholeStep) {
 }
 
 TEST(Separated, OrderOfThePairAndUnitDoNotMatter) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   Pose b = shift(0.3, 0.2, 1.3);
   b.linear() = Eigen::AngleAxisd(1.1, Vector(3, -2, 1).normalized()).toRotationMatrix();
   int apart = 0;
@@ -331,7 +312,7 @@ TEST(Separated, OrderOfThePairAndUnitDoNotMatter) {
 }
 
 TEST(Separated, QueriesDoNotAllocate) {
-  const std::vector<Body> all = bodies();
+  const std::vector<Body> all = sample_bodies();
   std::vector<Pose> poses;
   for (int i = 0; i < 20; ++i) poses.push_back(shift(0.15 * i, 0.1 * i, 0.05 * i));
   int apart = 0;

@@ -28,12 +28,6 @@ using Pose = Eigen::Isometry3d;
 using Vector = Eigen::Vector3d;
 using LongVector = Eigen::Matrix<long double, 3, 1>;
 
-Pose shift(double x, double y, double z) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Vector(x, y, z);
-  return pose;
-}
-
 /// A compound and its parts.
 struct Group {
   std::vector<const Body*> bodies;

@@ -20,7 +20,7 @@ using Box = Eigen::AlignedBox3d;
 using Vector = Eigen::Vector3d;
 using ItemPair = std::pair<std::uint32_t, std::uint32_t>;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// Distributions of random boxes.
 enum class Scene { uniform, lattice, points, nested, same, line, clusters, sizes, mixed };
@@ -53,9 +53,9 @@ class Boxes {
   Box special() {
     switch (random_() % 6) {
       case 0: return Box();
-      case 1: return {Vector::Constant(-infinity), Vector::Constant(infinity)};
+      case 1: return {Vector::Constant(-unbounded), Vector::Constant(unbounded)};
       case 2: return {Vector::Constant(-1e200), Vector::Constant(1e300)};
-      case 3: return {Vector(-infinity, 1, 2), Vector(3, 4, infinity)};
+      case 3: return {Vector(-unbounded, 1, 2), Vector(3, 4, unbounded)};
       case 4: return {Vector(0, 0, std::nan("")), Vector(1, 1, 1)};
       default: return {Vector::Constant(1e300), Vector::Constant(1e300)};
     }
@@ -76,7 +76,7 @@ class Boxes {
 };
 
 /// A tree and its expected content in plain lists.
-struct Twin {
+struct TreeTwin {
   struct Entry {
     BodyTree::Leaf leaf = -1;
     FloatBox box;
@@ -185,7 +185,7 @@ TEST(FloatBoxes, ContainTheBoxAndAreTight) {
 TEST(FloatBoxes, NotANumberIsTheWholeLine) {
   const FloatBox f = FloatBox::around({Vector::Constant(std::nan("")), Vector::Constant(std::nan(""))});
   EXPECT_TRUE(f.overlaps(FloatBox::around({Vector::Constant(1e30), Vector::Constant(1e30)})));
-  EXPECT_TRUE(f.contains(FloatBox::around({Vector::Constant(-infinity), Vector::Constant(infinity)})));
+  EXPECT_TRUE(f.contains(FloatBox::around({Vector::Constant(-unbounded), Vector::Constant(unbounded)})));
 }
 
 TEST(FloatBoxes, OverlapIsThatOfClosedBoxes) {
@@ -201,7 +201,7 @@ TEST(FloatBoxes, OverlapIsThatOfClosedBoxes) {
 }
 
 TEST(BodyTrees, EmptyTree) {
-  Twin twin;
+  TreeTwin twin;
   Boxes boxes(Scene::uniform);
   twin.check(boxes);
   EXPECT_EQ(twin.moved_pairs(1).size(), 0u);
@@ -213,7 +213,7 @@ TEST(BodyTrees, EmptyTree) {
 
 /// Inserts, moves slightly or far, and removes leaves in random order.
 void run_twin(Scene scene, int steps, unsigned seed) {
-  Twin twin;
+  TreeTwin twin;
   Boxes boxes(scene, seed);
   std::minstd_rand random(seed + 1);
   std::uint32_t next_item = 0;
@@ -230,7 +230,7 @@ void run_twin(Scene scene, int steps, unsigned seed) {
     }
     if (i % 100 == 99) {
       twin.check(boxes);
-      for (const double margin : {0.0, 0.3, infinity}) twin.check_moved_pairs(margin);
+      for (const double margin : {0.0, 0.3, unbounded}) twin.check_moved_pairs(margin);
       if (i % 200 == 199) twin.clear_moved();
     }
   }
@@ -246,7 +246,7 @@ TEST(BodyTrees, FindWhatBruteForceFinds) {
 TEST(BodyTrees, OneLevelOrMore) {
   // These numbers of leaves are close to those at which nodes and levels are full.
   for (const int count : {1, 7, 8, 9, 63, 64, 65, 511, 512, 513, 600}) {
-    Twin twin;
+    TreeTwin twin;
     Boxes boxes(Scene::uniform, static_cast<unsigned>(count));
     for (int i = 0; i < count; ++i) {
       twin.insert(static_cast<std::uint32_t>(i), FloatBox::around(boxes.next()));
@@ -343,16 +343,16 @@ TEST(BodyTrees, ChangesOfManyLeavesDoNotAllocate) {
 }
 
 TEST(BodyTrees, PairsOfMovedLeavesAreGivenOnceAndWithinTheMargin) {
-  Twin twin;
+  TreeTwin twin;
   for (std::uint32_t i = 0; i < 4; ++i) {
     const float x = 2 * static_cast<float>(i);
     twin.insert(i, {{x, 0, 0}, {x + 1, 1, 1}});
   }
   EXPECT_EQ(twin.moved_pairs(0.5), std::vector<ItemPair>());
   EXPECT_EQ(twin.moved_pairs(1), (std::vector<ItemPair>{{0, 1}, {1, 2}, {2, 3}}));
-  EXPECT_EQ(twin.moved_pairs(infinity).size(), 6u);
+  EXPECT_EQ(twin.moved_pairs(unbounded).size(), 6u);
   twin.clear_moved();
-  EXPECT_EQ(twin.moved_pairs(infinity), std::vector<ItemPair>());
+  EXPECT_EQ(twin.moved_pairs(unbounded), std::vector<ItemPair>());
   twin.tree.touch(twin.entries.at(2).leaf);
   twin.tree.touch(twin.entries.at(2).leaf);
   EXPECT_EQ(twin.moved_pairs(1), (std::vector<ItemPair>{{1, 2}, {2, 3}}));

@@ -3,6 +3,7 @@
 
 // Worlds of small bodies, and their expected candidates.
 
+#include "oracles/body.h"
 #include "oracles/sample_shapes.h"
 
 #include <encage/world.h>
@@ -23,12 +24,6 @@ namespace encage::test {
 
 using Pose = Eigen::Isometry3d;
 using Vector = Eigen::Vector3d;
-
-inline Pose shift(double x, double y = 0, double z = 0) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Vector(x, y, z);
-  return pose;
-}
 
 inline ShapePtr sample_shape(const std::string& name) {
   for (const Sample& s : sample_shapes(0)) {

@@ -15,7 +15,7 @@
 namespace encage::makers {
 namespace {
 
-constexpr double test_clearance = 1e-5;
+constexpr double collapse_clearance = 1e-5;
 
 struct Outcome {
   bool reached = false;
@@ -25,9 +25,9 @@ struct Outcome {
 
 CageEditor editor_around(const Obstacle& obstacle, const TriangleMesh& solid, double quadric_weight = 10) {
   EditorOptions options;
-  options.clearance = options.self_clearance = test_clearance;
+  options.clearance = options.self_clearance = collapse_clearance;
   options.quadric_weight = quadric_weight;
-  const auto start = offset_start(obstacle, solid, 1e-3, false, test_clearance);
+  const auto start = offset_start(obstacle, solid, 1e-3, false, collapse_clearance);
   EXPECT_TRUE(start);
   return CageEditor(obstacle, start.value_or(solid), options);
 }
@@ -46,7 +46,7 @@ Outcome run(const TriangleMesh& solid, std::int64_t faces) {
   EXPECT_NEAR(before - signed_volume(result.cage), gained, 1e-9);
   const CertifyResult proof = certify(solid, Solid::closed, result.cage);
   EXPECT_TRUE(proof.holds) << proof.reason;
-  EXPECT_GE(proof.certificate.clearance, 0.999 * test_clearance);
+  EXPECT_GE(proof.certificate.clearance, 0.999 * collapse_clearance);
   result.certificate = proof.certificate;
   return result;
 }

@@ -9,12 +9,12 @@
 namespace encage::makers {
 namespace {
 
-constexpr Decimation kinds[] = {Decimation::regular, Decimation::adaptive};
+constexpr Decimation decimations[] = {Decimation::regular, Decimation::adaptive};
 
 TEST(CollapseEdges, KeepsTheTopologyAndReachesTheCount) {
   const TriangleMesh sphere = shapes::bumpy_sphere(4, 1, 0.02);
   const TriangleMesh torus = shapes::torus(1, 0.4, 48, 24);
-  for (const Decimation kind : kinds) {
+  for (const Decimation kind : decimations) {
     for (const std::optional<double> gap : {std::optional<double>(), std::optional<double>(1e-4)}) {
       for (const std::int64_t faces : {601, 100}) {
         const TriangleMesh coarse = collapse_edges(sphere, faces, kind, gap, [] {});
@@ -32,7 +32,7 @@ TEST(CollapseEdges, KeepsTheTopologyAndReachesTheCount) {
 
 TEST(CollapseEdges, StopsWhereTheTopologyForbidsMore) {
   const TriangleMesh two = shapes::joined(shapes::sphere(2), shapes::sphere(1));
-  for (const Decimation kind : kinds) {
+  for (const Decimation kind : decimations) {
     const TriangleMesh coarse = collapse_edges(shapes::joined(two, shapes::torus(5, 1, 20, 10)), 4, kind, {}, [] {});
     EXPECT_GE(coarse.triangles.rows(), 4 + 4 + 14) << "two tetrahedra and Moebius' torus";
     EXPECT_LT(coarse.triangles.rows(), 60);
@@ -47,7 +47,7 @@ TEST(CollapseEdges, WithAGapNeverIntersectsItself) {
     const TriangleMesh ball = shapes::bumpy_sphere(4, seed, 0.01);
     const TriangleMesh shell = shapes::joined(ball, shapes::flipped(shapes::scaled(ball, 0.9)));
     ASSERT_TRUE(shapes::embedded(shell));
-    for (const Decimation kind : kinds) {
+    for (const Decimation kind : decimations) {
       if (!shapes::embedded(collapse_edges(shell, 80, kind, {}, [] {}))) ++plain_fails;
       const TriangleMesh guarded = collapse_edges(shell, 80, kind, 1e-4, [] {});
       EXPECT_TRUE(shapes::embedded(guarded));
@@ -62,7 +62,7 @@ TEST(CollapseEdges, WithAGapNeverIntersectsItself) {
 TEST(CollapseEdges, TheSameFarFromTheOrigin) {
   TriangleMesh near = shapes::bumpy_sphere(3, 8);
   near.vertices = (near.vertices * 1048576).array().round().matrix() / 1048576;  // moving it is exact
-  for (const Decimation kind : kinds) {
+  for (const Decimation kind : decimations) {
     const TriangleMesh coarse = collapse_edges(near, 100, kind, {}, [] {});
     const TriangleMesh far = collapse_edges(shapes::moved(near, {1024, -4096, 512}), 100, kind, {}, [] {});
     EXPECT_TRUE(far.triangles == coarse.triangles);
@@ -72,7 +72,7 @@ TEST(CollapseEdges, TheSameFarFromTheOrigin) {
 
 TEST(CollapseEdges, TheSameBytesEachTime) {
   const TriangleMesh mesh = shapes::bumpy_sphere(4, 3);
-  for (const Decimation kind : kinds) {
+  for (const Decimation kind : decimations) {
     for (const std::optional<double> gap : {std::optional<double>(), std::optional<double>(1e-4)}) {
       const TriangleMesh first = collapse_edges(mesh, 200, kind, gap, [] {});
       const TriangleMesh second = collapse_edges(mesh, 200, kind, gap, [] {});

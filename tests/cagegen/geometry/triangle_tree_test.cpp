@@ -101,12 +101,12 @@ void expect_scan(const TriangleTree& tree, const std::vector<Box>& boxes, const 
 }
 
 /// The tree's corner coordinates may be this far from 0: 4.5 diagonals (local_origin).
-std::vector<Point> centres() { return {Point(0, 0, 0), Point(3, -2, 1), Point(15, -15, 15)}; }
+std::vector<Point> slot_centres() { return {Point(0, 0, 0), Point(3, -2, 1), Point(15, -15, 15)}; }
 
 TEST(TriangleTree, FindsWhatALinearScanFinds) {
   Random random(1);
   for (const int count : {0, 1, 2, 4, 5, 9, 40, 700}) {
-    for (const Point& centre : centres()) {
+    for (const Point& centre : slot_centres()) {
       std::vector<Box> boxes;
       for (int i = 0; i < count; ++i) boxes.push_back(random_box(random, centre, boxes));
       const TriangleTree tree(boxes);
@@ -125,7 +125,7 @@ TEST(TriangleTree, CoincidentBoxes) {
 
 TEST(TriangleTree, UpdateAndRemove) {
   Random random(3);
-  for (const Point& centre : centres()) {
+  for (const Point& centre : slot_centres()) {
     std::vector<Box> boxes;
     for (int i = 0; i < 200; ++i) boxes.push_back(random_box(random, centre, boxes));
     TriangleTree tree(boxes);
@@ -147,7 +147,7 @@ TEST(TriangleTree, UpdateAndRemove) {
 
 TEST(TriangleTree, Refit) {
   Random random(6);
-  for (const Point& centre : centres()) {
+  for (const Point& centre : slot_centres()) {
     for (const int count : {1, 3, 5, 6, 40, 300}) {
       std::vector<Box> boxes;
       while (boxes.size() < static_cast<std::size_t>(count)) {
@@ -228,7 +228,7 @@ TEST(BoxFilter, NeverPrunesABoxWithAPointInAllHalfSpaces) {
   Random random(5);
   int pruned = 0;
   for (int i = 0; i < 60000; ++i) {
-    const Point centre = centres()[i % 3] * random(0.5, 1);
+    const Point centre = slot_centres()[i % 3] * random(0.5, 1);
     Box box;
     box.extend(centre + random.point(1));
     if (i % 4) box.extend(centre + random.point(std::pow(10.0, -random.integer(7))));

@@ -16,7 +16,7 @@
 namespace encage {
 namespace {
 
-std::string sample() { return encode_asset(sample_hierarchy(), "Encage 0.1.0", "f.glb"); }
+std::string indexed_sample() { return encode_asset(sample_hierarchy(), "Encage 0.1.0", "f.glb"); }
 
 AssetIndex index_of(const std::string& asset) { return decode_index(*find_index(as_byte_span(asset)), "f.glb"); }
 
@@ -74,14 +74,14 @@ TEST(AssetIndexes, SayWhatTheJsonSays) {
 }
 
 TEST(AssetIndexes, WithoutOneTheJsonIsRead) {
-  const AlignedBytes bytes(forge(sample(), {}));
+  const AlignedBytes bytes(forge(indexed_sample(), {}));
   const AssetView view(bytes.span(), "f.glb", Verify::cages, AssetParts::arrays);
   EXPECT_TRUE(view.has_description());
   EXPECT_EQ(view.level_count(), 2U);
 }
 
 TEST(AssetIndexes, DamageIsNoticedInEveryByte) {
-  const std::string good = sample();
+  const std::string good = indexed_sample();
   ASSERT_EQ(refusal(good), "");
   const std::size_t size = find_index(as_byte_span(good))->size(), end = good.size() - seal_size;
   for (std::size_t i = end - size; i < end; ++i) {
@@ -96,7 +96,7 @@ TEST(AssetIndexes, DamageIsNoticedInEveryByte) {
 }
 
 TEST(AssetIndexes, NonsenseIsRefused) {
-  const std::string good = sample();
+  const std::string good = indexed_sample();
   const auto edited = [&](auto&& edit) {
     AssetIndex index = index_of(good);
     edit(index);
@@ -121,10 +121,10 @@ TEST(AssetIndexes, NonsenseIsRefused) {
             "f.glb: section \"index\": \"cage 2 vertices\" cannot be where it says");  // not in order
 }
 
-/// Returns the sample with these bytes as its index, and every hash correct. Its section appears in `sections`, those
-/// of the JSON, as it should, before `edit` may change that.
+/// Returns the indexed_sample with these bytes as its index, and every hash correct. Its section appears in `sections`,
+/// those of the JSON, as it should, before `edit` may change that.
 std::string with_index_bytes(const std::string& index, const std::function<void(nlohmann::json& sections)>& edit = {}) {
-  const std::string good = sample();
+  const std::string good = indexed_sample();
   const std::string bytes = forge(
       good,
       [&](nlohmann::json& document) {
@@ -146,14 +146,14 @@ std::string refusal_of_all(const std::string& asset) {
 }
 
 TEST(AssetIndexes, AreComparedWithTheJsonWhereAllIsVerified) {
-  const AssetIndex good = index_of(sample());
+  const AssetIndex good = index_of(indexed_sample());
   const AlignedBytes unchanged(with_index_bytes(encode_index(good)));
   EXPECT_EQ(AssetView(unchanged.span(), "f.glb", Verify::all).level_count(), 2U);
 
   AssetIndex index = good;
   index.origin[1] += 1;
   const std::string bytes = with_index_bytes(encode_index(index));
-  ASSERT_EQ(bytes.size(), sample().size());
+  ASSERT_EQ(bytes.size(), indexed_sample().size());
   EXPECT_EQ(refusal_of_all(bytes), "f.glb: section \"index\": its last 64 bytes do not say what the JSON says");
   const AlignedBytes aligned(bytes);
   EXPECT_EQ(AssetView(aligned.span(), "f.glb", Verify::cages, AssetParts::arrays).summary().origin[1], 1);
@@ -166,7 +166,7 @@ TEST(AssetIndexes, AreComparedWithTheJsonWhereAllIsVerified) {
 
 // Loading uses the bytes before the seal, whatever the JSON says about an index.
 TEST(AssetIndexes, AreWhereTheJsonSays) {
-  AssetIndex index = index_of(sample());
+  AssetIndex index = index_of(indexed_sample());
   index.origin[1] += 1;
   const std::string bytes = encode_index(index);
   // The size of the file is known only after it has been made.
@@ -194,12 +194,12 @@ TEST(AssetIndexes, MeshesAreCalledWhatTheyAre) {
     }
     std::swap((*vertices.at(0))["name"], (*vertices.at(1))["name"]);
   };
-  EXPECT_EQ(refusal_of_all(with_index_bytes(encode_index(index_of(sample())), swap)),
+  EXPECT_EQ(refusal_of_all(with_index_bytes(encode_index(index_of(indexed_sample())), swap)),
             "f.glb: section \"index\": section \"cage 1 vertices\" is not what the mesh has");
 }
 
 TEST(AssetIndexes, OfAnotherVersionOfTheFormatAreNotTaken) {
-  std::string asset = sample();
+  std::string asset = indexed_sample();
   char& version = asset[asset.size() - seal_size - 64 + 14];
   ASSERT_EQ(version, asset_version);
   ++version;
@@ -207,7 +207,7 @@ TEST(AssetIndexes, OfAnotherVersionOfTheFormatAreNotTaken) {
 }
 
 TEST(AssetIndexes, AreNotSeenInOtherFiles) {
-  const std::string good = sample();
+  const std::string good = indexed_sample();
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, seal_size, seal_size + 63, seal_size + 64}) {
     EXPECT_FALSE(find_index(as_byte_span(good.substr(good.size() - size)))) << size;
   }

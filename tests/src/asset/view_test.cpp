@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string sample() { return encode_asset(sample_hierarchy(), "Encage 0.1.0", "f.glb"); }
+std::string viewed_sample() { return encode_asset(sample_hierarchy(), "Encage 0.1.0", "f.glb"); }
 
 /// Opens an asset in memory and reads all of it.
 void use(const std::string& bytes, Verify verify) {
@@ -23,16 +23,16 @@ void use(const std::string& bytes, Verify verify) {
   copy_hierarchy(AssetView(aligned.span(), "f.glb", verify));
 }
 
-/// Returns the message for a sample whose JSON was edited and hashed anew.
+/// Returns the message for a viewed_sample whose JSON was edited and hashed anew.
 template <class Edit>
 std::string refusal(Edit&& edit) {
-  return error_of([&] { use(forge(sample(), edit), Verify::all); });
+  return error_of([&] { use(forge(viewed_sample(), edit), Verify::all); });
 }
 
 json& extension(json& document) { return document["extensions"]["ENCAGE_cages"]; }
 
 TEST(AssetView, shows_aligned_arrays_in_place) {
-  const AlignedBytes bytes(sample());
+  const AlignedBytes bytes(viewed_sample());
   const AssetView view(bytes.span(), "f.glb", Verify::all);
   // Three meshes have vertices, triangles, boxes, leaves, owned and parts each; the index comes last.
   ASSERT_EQ(view.sections().size(), 19U);
@@ -57,7 +57,7 @@ TEST(AssetView, shows_aligned_arrays_in_place) {
 
 TEST(AssetView, stays_valid_when_moved) {
   const TemporaryFile file;
-  write_bytes(file.path(), sample());
+  write_bytes(file.path(), viewed_sample());
   AssetView view(file.path(), Verify::all);
   const AssetView moved(std::move(view));
   EXPECT_EQ(moved.cage(1).triangles[3], (std::array<std::uint32_t, 3>{1, 3, 2}));
@@ -65,13 +65,13 @@ TEST(AssetView, stays_valid_when_moved) {
 
 TEST(AssetView, forged_without_a_change_is_accepted) {  // otherwise the refusals below would prove nothing
   EXPECT_NO_THROW(use(forge(
-                          sample(), [](json&) {}, [](std::string&) {}),
+                          viewed_sample(), [](json&) {}, [](std::string&) {}),
                       Verify::all));
 }
 
 TEST(AssetView, unknown_sections_and_fields_are_ignored) {
   const std::string bytes = forge(
-      sample(),
+      viewed_sample(),
       [](json& d) {
         extension(d)["later"] = 1;
         const std::size_t view = d["bufferViews"].size();
@@ -102,12 +102,12 @@ TEST(AssetView, refuses_foreign_files_and_unknown_versions) {
 }
 
 TEST(AssetView, refuses_every_missing_field_but_the_optional_ones) {
-  json document = json::parse(parse_glb(as_byte_span(sample()), "f").json);
+  json document = json::parse(parse_glb(as_byte_span(viewed_sample()), "f").json);
   const std::vector<std::string> optional = {"fine_mesh", "options", "volume_ratio", "no_new_handles"};
   const auto check = [&](const json& object, const json::json_pointer& place) {
     for (const auto& item : object.items()) {
       const std::string key = item.key();
-      const std::string bytes = forge(sample(), [&](json& d) { d[place].erase(key); });
+      const std::string bytes = forge(viewed_sample(), [&](json& d) { d[place].erase(key); });
       if (std::find(optional.begin(), optional.end(), key) != optional.end()) {
         EXPECT_NO_THROW(use(bytes, Verify::all)) << key;
       } else {
@@ -126,7 +126,7 @@ TEST(AssetView, refuses_arrays_out_of_place) {
   const auto edit = [](const char* key, json value) { return [=](json& d) { d["bufferViews"][1][key] = value; }; };
   EXPECT_EQ(refusal(edit("byteOffset", 132)), view + "byteOffset is not 64-byte aligned");
   EXPECT_EQ(refusal(edit("byteOffset", 64)), view + "overlaps the section before");
-  const std::string bytes = sample();
+  const std::string bytes = viewed_sample();
   const std::size_t end = parse_glb(as_byte_span(bytes), "f").bin.size() - seal_size;
   EXPECT_EQ(refusal(edit("byteOffset", end)), view + "reaches beyond the BIN chunk");
   EXPECT_EQ(refusal(edit("byteLength", 145)), view + "byteLength is no multiple of the section's element_size");
@@ -190,11 +190,11 @@ TEST(AssetView, refuses_claims_that_mean_nothing) {
 TEST(AssetView, refuses_arrays_that_would_lead_astray) {
   const auto spoil = [](std::size_t offset, std::uint32_t value) {
     return error_of([&] {
-      use(forge(sample(), {}, [&](std::string& bin) { std::memcpy(bin.data() + offset, &value, sizeof value); }),
+      use(forge(viewed_sample(), {}, [&](std::string& bin) { std::memcpy(bin.data() + offset, &value, sizeof value); }),
           Verify::all);
     });
   };
-  const json document = json::parse(parse_glb(as_byte_span(sample()), "f").json);
+  const json document = json::parse(parse_glb(as_byte_span(viewed_sample()), "f").json);
   const auto offset = [&](int view) { return document["bufferViews"][view]["byteOffset"].get<std::size_t>(); };
   constexpr std::uint32_t float_infinity = 0x7f800000;
   EXPECT_EQ(spoil(offset(0) + 12, float_infinity), "f.glb: source: vertex 1: not finite");
@@ -205,7 +205,7 @@ TEST(AssetView, refuses_arrays_that_would_lead_astray) {
 }
 
 TEST(AssetView, truncation_is_noticed_at_every_length) {
-  const std::string good = sample();
+  const std::string good = viewed_sample();
   const std::size_t bin_start = parse_glb(as_byte_span(good), "f").head.size();
   for (std::size_t n = 0; n < good.size(); ++n) {
     std::string cut = good.substr(0, n);
@@ -220,7 +220,7 @@ TEST(AssetView, truncation_is_noticed_at_every_length) {
 }
 
 TEST(AssetView, garbage_is_noticed) {
-  const std::string good = sample();
+  const std::string good = viewed_sample();
   std::mt19937 random(1);
   for (int round = 0; round < 3000; ++round) {
     std::string bad = good;
@@ -245,7 +245,7 @@ TEST(AssetView, forged_json_is_refused_or_harmless) {
   std::mt19937 random(2);
   int accepted = 0, refused = 0;
   for (int round = 0; round < 6000; ++round) {
-    const std::string bytes = forge(sample(), [&](json& document) {
+    const std::string bytes = forge(viewed_sample(), [&](json& document) {
       std::vector<json*> all;
       collect(document, all);
       *all[random() % all.size()] = replacements[random() % std::size(replacements)];

@@ -22,7 +22,7 @@ std::string encode(const CageHierarchy& hierarchy) { return encode_asset(hierarc
 
 /// Returns the message for a sample damaged by `edit`.
 template <class Edit>
-std::string refusal(Edit&& edit) {
+std::string refused_write(Edit&& edit) {
   CageHierarchy hierarchy = sample_hierarchy();
   edit(hierarchy);
   return error_of([&] { encode(hierarchy); });
@@ -85,58 +85,61 @@ TEST(AssetWriter, refuses_vertices_that_float32_cannot_hold) {
     for (const double bad : {1.1, 1e-60, 1e60, 16777217.0}) {
       char text[128];
       std::snprintf(text, sizeof text, "f.glb: cage 2: vertex 3: %.17g is not exact in float32", bad);
-      EXPECT_EQ(refusal([&](CageHierarchy& h) { h.levels[1].mesh.vertices(3, axis) = bad; }), text);
+      EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[1].mesh.vertices(3, axis) = bad; }), text);
     }
     for (const double bad : {infinity, -infinity, nan}) {
-      EXPECT_EQ(refusal([&](CageHierarchy& h) { h.levels[1].mesh.vertices(3, axis) = bad; }),
+      EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[1].mesh.vertices(3, axis) = bad; }),
                 "f.glb: cage 2: vertex 3: not finite");
     }
   }
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.fine.vertices(7, 2) = 0.1; }),
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.fine.vertices(7, 2) = 0.1; }),
             "f.glb: source: vertex 7: 0.10000000000000001 is not exact in float32");
 }
 
 TEST(AssetWriter, refuses_malformed_meshes) {
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.levels[0].mesh.triangles(5, 2) = 6; }),
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.levels[0].mesh.triangles(5, 2) = 6; }),
             "f.glb: cage 1: triangle 5: index 6 is out of range, there are 6 vertices");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.levels[0].mesh.triangles(5, 2) = -1; }),
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.levels[0].mesh.triangles(5, 2) = -1; }),
             "f.glb: cage 1: triangle 5: index 4294967295 is out of range, there are 6 vertices");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.levels[1].mesh = {}; }), "f.glb: cage 2: no triangles");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.levels.clear(); }), "f.glb: there is no cage");
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.levels[1].mesh = {}; }), "f.glb: cage 2: no triangles");
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.levels.clear(); }), "f.glb: there is no cage");
 }
 
 TEST(AssetWriter, refuses_numbers_that_mean_nothing) {
   for (const double bad : {0.0, -1.0, infinity, nan}) {
-    EXPECT_EQ(refusal([&](CageHierarchy& h) { h.levels[1].certificate.clearance = bad; }),
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[1].certificate.clearance = bad; }),
               "f.glb: cage 2: clearance is not finite and above 0");
-    EXPECT_EQ(refusal([&](CageHierarchy& h) { h.levels[0].certificate.volume = bad; }),
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[0].certificate.volume = bad; }),
               "f.glb: cage 1: volume is not finite and above 0");
-    EXPECT_EQ(refusal([&](CageHierarchy& h) { h.levels[0].certificate.volume_ratio = bad; }),
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[0].certificate.volume_ratio = bad; }),
               "f.glb: cage 1: volume_ratio is not finite and above 0");
-    EXPECT_EQ(refusal([&](CageHierarchy& h) { h.diagonal = bad; }), "f.glb: diagonal is not finite and above 0");
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.diagonal = bad; }), "f.glb: diagonal is not finite and above 0");
   }
   for (const double bad : {-1.0, infinity, nan}) {
-    EXPECT_EQ(refusal([&](CageHierarchy& h) { h.source_volume = bad; }),
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.source_volume = bad; }),
               "f.glb: source_volume is not finite and 0 or more");
-    EXPECT_EQ(refusal([&](CageHierarchy& h) { h.fine_error = bad; }), "f.glb: fine_error is not finite and 0 or more");
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.fine_error = bad; }),
+              "f.glb: fine_error is not finite and 0 or more");
   }
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.origin.y() = nan; }), "f.glb: origin is not finite");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.levels[0].certificate.components = 0; }),
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.origin.y() = nan; }), "f.glb: origin is not finite");
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.levels[0].certificate.components = 0; }),
             "f.glb: cage 1: components is below 1");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.levels[0].certificate.cavities = 1; }),
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.levels[0].certificate.cavities = 1; }),
             "f.glb: cage 1: cavities is not in [0, components)");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.levels[0].certificate.genus = -1; }), "f.glb: cage 1: genus is negative");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.cap_count = -1; }), "f.glb: cap_count is negative");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.cap_count = 13; }),
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.levels[0].certificate.genus = -1; }),
+            "f.glb: cage 1: genus is negative");
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.cap_count = -1; }), "f.glb: cap_count is negative");
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.cap_count = 13; }),
             "f.glb: cap_count exceeds the triangles of the source");
-  EXPECT_EQ(refusal([](CageHierarchy& h) { std::swap(h.levels[0], h.levels[1]); }),
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { std::swap(h.levels[0], h.levels[1]); }),
             "f.glb: cage 2: its volume is smaller than that of the cage before: levels must go from fine to coarse");
 }
 
 TEST(AssetWriter, refuses_text_it_cannot_store) {
-  EXPECT_EQ(refusal([](CageHierarchy& h) { h.options = "7"; }), "f.glb: options: not a JSON object");
-  EXPECT_TRUE(refusal([](CageHierarchy& h) { h.options = "{"; }).starts_with("f.glb: options: "));
-  EXPECT_TRUE(refusal([](CageHierarchy& h) { h.levels[0].certificate.start = "\xff"; }).starts_with("f.glb: JSON: "));
+  EXPECT_EQ(refused_write([](CageHierarchy& h) { h.options = "7"; }), "f.glb: options: not a JSON object");
+  EXPECT_TRUE(refused_write([](CageHierarchy& h) { h.options = "{"; }).starts_with("f.glb: options: "));
+  EXPECT_TRUE(
+      refused_write([](CageHierarchy& h) { h.levels[0].certificate.start = "\xff"; }).starts_with("f.glb: JSON: "));
 }
 
 TEST(AssetWriter, leaves_an_existing_file_untouched_when_it_refuses) {

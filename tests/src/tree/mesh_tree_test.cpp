@@ -24,13 +24,13 @@
 namespace encage {
 namespace {
 
-TriangleMesh rounded(TriangleMesh mesh) {
+TriangleMesh rounded_mesh(TriangleMesh mesh) {
   mesh.vertices = mesh.vertices.cast<float>().cast<double>().eval();
   return mesh;
 }
 
 /// Triangles that share no vertices; some are degenerate, some repeated.
-TriangleMesh soup(int triangles, std::uint32_t seed) {
+TriangleMesh tree_soup(int triangles, std::uint32_t seed) {
   shapes::Random random(seed);
   TriangleMesh mesh;
   mesh.vertices.resize(3 * triangles, 3);
@@ -45,7 +45,7 @@ TriangleMesh soup(int triangles, std::uint32_t seed) {
     if (kind == 1) mesh.triangles(t, 2) = mesh.triangles(t, 1);
     if (kind == 2 && t > 0) mesh.triangles.row(t) = mesh.triangles.row(random.integer(t)).eval();
   }
-  return rounded(mesh);
+  return rounded_mesh(mesh);
 }
 
 TriangleMesh coincident(int triangles) {
@@ -67,22 +67,22 @@ TriangleMesh geometric(int triangles) {
     mesh.vertices.row(3 * t + 2) << x, 0, 0.1 * x;
     mesh.triangles.row(t) << 3 * t, 3 * t + 1, 3 * t + 2;
   }
-  return rounded(mesh);
+  return rounded_mesh(mesh);
 }
 
-std::vector<std::pair<std::string, TriangleMesh>> meshes() {
+std::vector<std::pair<std::string, TriangleMesh>> tree_meshes() {
   return {{"one triangle", coincident(1)},
           {"two triangles", coincident(2)},
-          {"three triangles", soup(3, 1)},
-          {"a point", rounded(shapes::mesh({{1, 2, 3}}, {{0, 0, 0}}))},
-          {"soup of 17", soup(17, 2)},
-          {"soup of 1000", soup(1000, 3)},
-          {"soup of 20000", soup(20'000, 4)},
+          {"three triangles", tree_soup(3, 1)},
+          {"a point", rounded_mesh(shapes::mesh({{1, 2, 3}}, {{0, 0, 0}}))},
+          {"soup of 17", tree_soup(17, 2)},
+          {"soup of 1000", tree_soup(1000, 3)},
+          {"soup of 20000", tree_soup(20'000, 4)},
           {"flat", shapes::box({-1, -1, 0}, {1, 1, 0})},
-          {"sphere", rounded(shapes::sphere(4))},
-          {"torus", rounded(shapes::torus(1, 0.3, 40, 20))},
-          {"tiny", rounded(shapes::scaled(shapes::sphere(2), 1e-30))},
-          {"huge", rounded(shapes::scaled(shapes::sphere(2), 1e38))},
+          {"sphere", rounded_mesh(shapes::sphere(4))},
+          {"torus", rounded_mesh(shapes::torus(1, 0.3, 40, 20))},
+          {"tiny", rounded_mesh(shapes::scaled(shapes::sphere(2), 1e-30))},
+          {"huge", rounded_mesh(shapes::scaled(shapes::sphere(2), 1e38))},
           {"geometric", geometric(300)},
           {"coincident", coincident(10'000)}};
 }
@@ -126,7 +126,7 @@ class Walk {
         }
       }
       for (int axis = 0; axis < 3; ++axis) {
-        // The bound is the next grid coordinate, or one more where the coordinates are rounded.
+        // The bound is the next grid coordinate, or one more where the coordinates are rounded_mesh.
         const auto low = static_cast<double>(view_.lower(node, axis, lane));
         const auto high = static_cast<double>(view_.upper(node, axis, lane));
         const double reach = 2.001 * static_cast<double>(tree_.grid.step);
@@ -149,7 +149,7 @@ class Walk {
 };
 
 TEST(MeshTree, EveryTriangleInOneLeafAndTightBoxes) {
-  for (const auto& [name, mesh] : meshes()) {
+  for (const auto& [name, mesh] : tree_meshes()) {
     SCOPED_TRACE(name);
     const MeshTree tree = build_mesh_tree(mesh);
     const Walk walk(tree, mesh);
@@ -168,7 +168,7 @@ TEST(MeshTree, EveryTriangleInOneLeafAndTightBoxes) {
 }
 
 TEST(MeshTree, NodesAreWellFilledAndShallow) {
-  const TriangleMesh mesh = soup(20'000, 4);
+  const TriangleMesh mesh = tree_soup(20'000, 4);
   const MeshTree tree = build_mesh_tree(mesh);
   const Walk walk(tree, mesh);
   EXPECT_GT(walk.lanes, 3 * std::ssize(tree.nodes));
@@ -177,7 +177,7 @@ TEST(MeshTree, NodesAreWellFilledAndShallow) {
 
 TEST(MeshTree, IsEmptyForNothingAndTheSameTwice) {
   EXPECT_TRUE(build_mesh_tree({}).nodes.empty());
-  for (const auto& [name, mesh] : meshes()) {
+  for (const auto& [name, mesh] : tree_meshes()) {
     const MeshTree first = build_mesh_tree(mesh), second = build_mesh_tree(mesh);
     ASSERT_EQ(first.nodes.size(), second.nodes.size()) << name;
     ASSERT_EQ(first.leaves.size(), second.leaves.size()) << name;
@@ -221,7 +221,7 @@ TEST(TreeGrid, CoversTheVerticesInStepsThatIncrease) {
 
 /// Returns the message for a tree that `spoil` damaged; the mesh is a sphere of 512 triangles.
 std::string refusal(const std::function<void(MeshTree&)>& spoil) {
-  static const MeshArrays arrays = make_mesh_arrays(rounded(shapes::sphere(3)), "m");
+  static const MeshArrays arrays = make_mesh_arrays(rounded_mesh(shapes::sphere(3)), "m");
   MeshTree tree = arrays.tree;
   spoil(tree);
   return error_of([&] { check_bounds(tree, {arrays.vertices, arrays.triangles}, "m"); });
@@ -324,7 +324,7 @@ TEST(CheckTree, RefusesDamagedBoundsOnlyWhenAskedTo) {
       };
       const std::string message = refusal(damage), expected = node(at) + "does not contain its triangle ";
       EXPECT_EQ(message.substr(0, expected.size()), expected);
-      MeshArrays arrays = make_mesh_arrays(rounded(shapes::sphere(3)), "m");
+      MeshArrays arrays = make_mesh_arrays(rounded_mesh(shapes::sphere(3)), "m");
       damage(arrays.tree);
       EXPECT_NO_THROW(check_tree(arrays.tree, {arrays.vertices, arrays.triangles}, "m"));
     };
