@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* render_examples = R"(Without --cut, level 0 (the source, yellow) is shown solid and the outermost cage
+constexpr const char* render_examples =
+    R"(Without --cut, level 0 (the source, yellow) is shown solid and the outermost cage
 translucent over it. With --cut, the half nearer to the eye is removed and every
 level drawn as a contour in the plane.
 
