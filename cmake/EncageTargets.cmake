@@ -47,10 +47,15 @@ function(encage_precompile target)
 endfunction()
 
 # encage_unity(target batch): compiles so many files of the target at a time, which reads headers and instantiates
-# templates once for all of them. Names in unnamed namespaces have to differ within a target. Where headers are not
-# precompiled each file is compiled by itself, so that files include what they name.
+# templates once for all of them. Names in unnamed namespaces have to differ within a target. Not with compiler caches,
+# which know single files.
+set(unity ON)
+if(NOT PROJECT_IS_TOP_LEVEL OR CMAKE_CXX_COMPILER_LAUNCHER)
+  set(unity OFF)
+endif()
+option(ENCAGE_UNITY_BUILD "Compile several files at a time" ${unity})
 function(encage_unity target batch)
-  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+  if(ENCAGE_UNITY_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
   endif()
 endfunction()

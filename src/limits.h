@@ -10,6 +10,8 @@ namespace encage {
 /// 2^-52, twice the largest relative error of one operation in double. It is the unit of error bounds.
 inline constexpr double eps = std::numeric_limits<double>::epsilon();
 
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// World units. Largest coordinate, margin and size that queries accept: products of two such lengths, and sums of many
 /// products, stay below 1e308.
 inline constexpr double largest_length = 1e150;

@@ -16,7 +16,6 @@ using Vector = Eigen::Vector3d;
 using Lanes = Eigen::Array4d;
 using Corners = std::array<Lanes, 3>;  // x, y, z of four points
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int cells = 1 << 22;       // of the grid of times in [0, 1]
 constexpr int most_steps = 1 << 10;  // several times the number for hard cases; beyond it a contact is reported
 // Bounds the rounding of a projection relative to its projected magnitudes at both ends (differences take 1 unit of

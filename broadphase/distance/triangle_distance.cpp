@@ -15,8 +15,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// The nearest points found so far, and the edges that the line between them should be normal to; an edge is zero if
 /// there is none.
 struct NearestPoints {

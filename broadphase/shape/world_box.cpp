@@ -42,11 +42,11 @@ double support(const Surface& surface, const Eigen::Vector3d& n, double toleranc
     double bound;
   };
   // Some vertex has at least the height `reached`; `bound` is an upper bound for the boxes that need no further visit.
-  double reached = -std::numeric_limits<double>::infinity(), bound = reached;
+  double reached = -infinity, bound = reached;
   const Eigen::Vector3d magnitude = n.cwiseAbs();
   std::array<Entry, MeshNode::width*(MeshTree::max_depth + 2)> stack;
   int size = 0;
-  stack[size++] = {0, std::numeric_limits<double>::infinity()};
+  stack[size++] = {0, infinity};
   while (size > 0) {
     const Entry entry = stack[--size];
     if (entry.bound <= bound) continue;
@@ -118,7 +118,6 @@ Eigen::AlignedBox3d ball_box(const Shape& shape, const Placement& at) noexcept {
 
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept {
   if (!is_usable(motion)) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     return {Eigen::Vector3d::Constant(-infinity), Eigen::Vector3d::Constant(infinity)};
   }
   return usable_box(shape, motion);
