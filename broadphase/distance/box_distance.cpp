@@ -97,7 +97,8 @@ HWY_INLINE Vec gap_along(const Boxes& boxes, const Axis& axis) {
 
 /// Returns lower bounds of distances, in grid steps, where they are positive. Elsewhere the values only measure how
 /// much boxes overlap.
-HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, const Covered& box) {
+HWY_INLINE Vec distances(const BoxDistance::Side& side, const MeshNode& node, std::size_t first, const Covered& box,
+                         Vec& sizes) {
   const Lanes d;
   auto widest = hn::Set(d, -std::numeric_limits<double>::infinity());
   auto squared = hn::Zero(d), squared_other = squared;
@@ -106,8 +107,11 @@ HWY_INLINE Vec distances(const BoxDistance::Side& side, const Boxes& boxes, cons
     const auto positive = hn::Max(gap, hn::Zero(d));
     sum = hn::Add(sum, hn::Mul(positive, positive));
   };
+  const Boxes boxes(node, first, [&](int k, Vec lower, Vec upper) HWY_ATTR {
+    add(gap_between(lower, upper, box.low[k], box.high[k]), squared);
+  });
+  sizes = boxes.sizes();
   for (int k = 0; k < 3; ++k) {
-    add(gap_between(boxes.lower[k], boxes.upper[k], box.low[k], box.high[k]), squared);
     const std::array<double, 3>& axis = side.turned[k];
     const auto centre = dot(boxes.sum, axis.data()), reach = boxes.reach_along(axis.data());
     const auto half = hn::Set(d, 0.5);
@@ -171,10 +175,10 @@ class NearLeafTraversal {
     const BoxDistance::Side& side = *sides_[opened];
     alignas(64) std::array<double, MeshNode::width> bound, size;
     for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
-      const Boxes boxes(node, first);
-      const auto steps = hn::Sub(distances(side, boxes, box), hn::Set(d, side.error));
+      Vec sizes;
+      const auto steps = hn::Sub(distances(side, node, first, box, sizes), hn::Set(d, side.error));
       hn::StoreU(hn::Sub(hn::Mul(steps, hn::Set(d, side.unit)), hn::Set(d, side.world_error)), d, bound.data() + first);
-      hn::StoreU(hn::Mul(boxes.sizes(), hn::Set(d, side.unit)), d, size.data() + first);
+      hn::StoreU(hn::Mul(sizes, hn::Set(d, side.unit)), d, size.data() + first);
     }
     const std::size_t bottom = size_;
     for (std::uint32_t lane = 0; lane < MeshNode::width && node.link[lane] < MeshNode::unused_link; ++lane) {

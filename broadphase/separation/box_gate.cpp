@@ -150,14 +150,15 @@ class LaneTest {
     sweep<kEnds>(side, moving, swept_);
   }
 
-  /// Lanes whose boxes are proven apart.
-  HWY_INLINE hn::Mask<Lanes> apart(const Boxes& boxes) const {
+  /// Boxes whose bounds along an axis of the node prove them apart.
+  HWY_INLINE hn::Mask<Lanes> apart_along(int axis, Vec lower, Vec upper) const {
     const Lanes d;
-    auto result = hn::FirstN(d, 0);
-    for (int axis = 0; axis < 3; ++axis) {
-      result = hn::Or(result, hn::Or(hn::Gt(boxes.lower[axis], hn::Set(d, swept_.high[axis])),
-                                     hn::Lt(boxes.upper[axis], hn::Set(d, swept_.low[axis]))));
-    }
+    return hn::Or(hn::Gt(lower, hn::Set(d, swept_.high[axis])), hn::Lt(upper, hn::Set(d, swept_.low[axis])));
+  }
+
+  /// Boxes that the other axes, or `result`, prove apart.
+  HWY_INLINE hn::Mask<Lanes> apart(const Boxes& boxes, hn::Mask<Lanes> result) const {
+    const Lanes d;
     for (int axis = 0; axis < 3; ++axis) {
       const float* const n = side_.oblique[axis].data();
       result = hn::Or(result, beyond(dot(boxes.sum, n), boxes.reach_along(n), hn::Set(d, swept_.low[4 + axis]),
@@ -247,8 +248,11 @@ class LeafPairTraversal {
     const auto step = hn::Set(d, side.step);
     Column &rests = stack_[resting], &moves = stack_[1 - resting];
     for (std::size_t first = 0; first < MeshNode::width; first += hn::Lanes(d)) {
-      const Boxes boxes(node, first);
-      const auto apart = test.apart(boxes);
+      auto apart = hn::FirstN(d, 0);
+      const Boxes boxes(node, first, [&](int axis, Vec lower, Vec upper) HWY_ATTR {
+        apart = hn::Or(apart, test.apart_along(axis, lower, upper));
+      });
+      apart = test.apart(boxes, apart);
       const auto link = hn::LoadU(du, node.link + first);
       const auto used = hn::Lt(link, hn::Set(du, MeshNode::unused_link));
       const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;

@@ -97,19 +97,20 @@ template <class Real>
 struct TreeBoxes {
   using Vec = NodeVec<Real>;
 
-  Vec lower[3], upper[3];
   Vec sum[3], extent[3];  ///< upper + lower, upper - lower
   Vec normal[3];
   Vec slab_lower, slab_upper;
 
-  /// Loads the lanes [first, first + lanes of the machine).
-  HWY_INLINE TreeBoxes(const MeshNode& node, std::size_t first) {
+  /// Loads the lanes [first, first + lanes of the machine) and calls bounds(axis, lower, upper) for each axis. Bounds
+  /// are needed once only: kept, they would spill registers.
+  template <class Bounds>
+  HWY_INLINE TreeBoxes(const MeshNode& node, std::size_t first, Bounds&& bounds) {
     const NodeLanes<Real> d;
     for (int i = 0; i < 3; ++i) {
-      lower[i] = widened(d, node.lower[i] + first);
-      upper[i] = widened(d, node.upper[i] + first);
-      sum[i] = hn::Add(lower[i], upper[i]);
-      extent[i] = hn::Sub(upper[i], lower[i]);
+      const Vec lower = widened(d, node.lower[i] + first), upper = widened(d, node.upper[i] + first);
+      bounds(i, lower, upper);
+      sum[i] = hn::Add(lower, upper);
+      extent[i] = hn::Sub(upper, lower);
       normal[i] = widened(d, node.normal[i] + first);
     }
     slab_lower = widened(d, node.slab_lower + first);

@@ -16,13 +16,15 @@ inline constexpr int traversal_stack_size = MeshNode::width * (MeshTree::max_dep
 /// until it returns false; returns false if it did. The visitor calls descend(child) for each child to be visited, and
 /// the last of these is visited first.
 template <class Visit>
-bool visit_nodes(const MeshTreeView& tree, Visit&& visit) {
+[[gnu::always_inline]] inline bool visit_nodes(const MeshTreeView& tree, Visit&& visit) {
   std::array<std::int32_t, traversal_stack_size> stack;
   int size = 0;
   stack[size++] = 0;
-  const auto descend = [&](std::int32_t child) { stack[size++] = child; };
   while (size > 0) {
-    if (!visit(tree.nodes[stack[--size]], descend)) return false;
+    const MeshNode& node = tree.nodes[stack[--size]];
+    if (!visit(
+            node, [&](std::int32_t child) __attribute__((always_inline)) { stack[size++] = child; }))
+      return false;
   }
   return true;
 }
