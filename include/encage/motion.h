@@ -10,7 +10,8 @@
 namespace ENCAGE_EXPORT encage {
 
 /// Rigid motion from the body frame (the frame of the source file) to the world, of a body at `scale` times its size:
-/// x -> pose * (scale * x). Every vertex moves on the straight line between its two positions.
+/// x -> pose * (scale * x). Every vertex moves on the straight line between its two positions. Queries get slow where
+/// the rotation exceeds 120 degrees.
 struct Motion {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d end = Eigen::Isometry3d::Identity();
