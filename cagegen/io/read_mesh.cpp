@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/io/mesh_file.h"
+#include "src/files/read_file.h"
 
 #include <encage/bake.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <limits>
-#include <memory>
+#include <new>
+#include <string>
+#include <string_view>
 
 namespace encage {
 namespace io {
@@ -51,20 +51,6 @@ void validate(const std::filesystem::path& file, const Soup& soup) {
 
 namespace {
 
-std::string read_file(const std::filesystem::path& file) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
-  if (!stream) fail(file, std::string("cannot open: ") + std::strerror(errno));
-  std::string bytes;
-  std::size_t size = 0;
-  do {
-    bytes.resize(std::max<std::size_t>(1 << 16, bytes.size() * 2));
-    size += std::fread(bytes.data() + size, 1, bytes.size() - size, stream.get());
-  } while (size == bytes.size());
-  if (std::ferror(stream.get())) fail(file, std::string("cannot read: ") + std::strerror(errno));
-  bytes.resize(size);
-  return bytes;
-}
-
 PolygonMesh to_mesh(const Soup& soup) {
   PolygonMesh mesh;
   mesh.vertices = Eigen::Map<const Vertices>(soup.coordinates.data(), soup.vertex_count(), 3);
@@ -73,33 +59,57 @@ PolygonMesh to_mesh(const Soup& soup) {
   return mesh;
 }
 
-Soup read_soup(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) {
+constexpr struct {
+  const char* name;
+  Soup (*read)(const std::filesystem::path&, std::string_view);
+} formats[] = {{"obj", read_obj}, {"ply", read_ply},   {"stl", read_stl},
+               {"off", read_off}, {"gltf", read_gltf}, {"glb", read_gltf}};
+
+std::string known_formats() {
+  std::string list;
+  for (const auto& format : formats) list += std::string(list.empty() ? "" : " ") + format.name;
+  return list;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
-  static constexpr struct {
-    const char* extension;
-    Soup (*read)(const std::filesystem::path&, std::string_view);
-  } formats[] = {{".obj", read_obj}, {".ply", read_ply},   {".stl", read_stl},
-                 {".off", read_off}, {".gltf", read_gltf}, {".glb", read_gltf}};
+  return text;
+}
+
+/// Of the format with this name.
+auto find_reader(const std::filesystem::path& file, const std::string& name) {
   for (const auto& format : formats) {
-    if (extension != format.extension) continue;
-    const std::string bytes = read_file(file);
-    if (bytes.empty()) fail(file, "the file is empty");
-    return format.read(file, bytes);
+    if (name == format.name) return format.read;
   }
-  fail(file, "unknown extension '" + extension + "' (known: .obj .ply .stl .off .gltf .glb)");
+  fail(file, name.empty() ? "the name has no extension that tells the format (known: " + known_formats() + ")"
+                          : "unknown format '" + name + "' (known: " + known_formats() + ")");
 }
 
 }  // namespace
 }  // namespace io
 
-PolygonMesh read_polygon_mesh(const std::filesystem::path& file) {
+PolygonMesh decode_polygon_mesh(std::string_view bytes, const std::string& format, const std::filesystem::path& name,
+                                ReadNotes* notes) {
   try {
-    const io::Soup soup = io::read_soup(file);
-    io::validate(file, soup);
+    const auto read = io::find_reader(name, io::lower_case(format));
+    if (bytes.empty()) io::fail(name, "the file is empty");
+    io::Soup soup = read(name, bytes);
+    io::validate(name, soup);
+    if (notes != nullptr) notes->insert(notes->end(), soup.notes.begin(), soup.notes.end());
     return io::to_mesh(soup);
+  } catch (const std::bad_alloc&) {
+    io::fail(name, "not enough memory");
+  }
+}
+
+PolygonMesh read_polygon_mesh(const std::filesystem::path& file, ReadNotes* notes) {
+  const std::string extension = file.extension().string();
+  const std::string format = io::lower_case(extension.substr(std::min<std::size_t>(1, extension.size())));
+  io::find_reader(file, format);  // before anything is read
+  try {
+    return decode_polygon_mesh(read_file(file), format, file, notes);
   } catch (const std::bad_alloc&) {
     io::fail(file, "not enough memory");
   }

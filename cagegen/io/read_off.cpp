@@ -46,6 +46,7 @@ OffHeader read_header(TextScanner& scanner) {
 }  // namespace
 
 Soup read_off(const std::filesystem::path& file, std::string_view bytes) {
+  require_utf8(file, bytes);
   TextScanner scanner(file, bytes);
   const OffHeader header = read_header(scanner);
   Soup soup;
@@ -74,6 +75,11 @@ Soup read_off(const std::filesystem::path& file, std::string_view bytes) {
     soup.end_polygon();
     scanner.skip_line();
   }
+  if (!scanner.token().empty()) {
+    soup.notes.push_back("skipped: the file goes on, at line " + std::to_string(scanner.line()) + ", after the " +
+                         std::to_string(header.faces) + " faces that its header promises");
+  }
+  if (scanner.found_byte_order_mark()) soup.notes.emplace_back(byte_order_mark_note);
   return soup;
 }
 

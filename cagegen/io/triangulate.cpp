@@ -25,6 +25,8 @@ TriangleMesh triangulate(const PolygonMesh& polygons) {
   return mesh;
 }
 
-TriangleMesh read_mesh(const std::filesystem::path& file) { return triangulate(read_polygon_mesh(file)); }
+TriangleMesh read_mesh(const std::filesystem::path& file, ReadNotes* notes) {
+  return triangulate(read_polygon_mesh(file, notes));
+}
 
 }  // namespace encage

@@ -103,7 +103,9 @@ std::filesystem::path checked_output(const BakeArguments& arguments) {
 BakedMesh read_and_bake(BakeArguments& arguments) {
   Progress progress = Progress::on_stderr();
   progress.update(0, "reading");
-  const TriangleMesh mesh = read_mesh(arguments.input);
+  ReadNotes notes;
+  const TriangleMesh mesh = read_mesh(arguments.input, &notes);
+  for (const std::string& note : notes) progress.note(arguments.input.string() + ": " + note);
   arguments.flow.read_coarse(arguments.options);
   throw_if_interrupted();
   progress.update(0, "sanitizing");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/cagegen/io/reading.h"
 #include "tests/cagegen/io/shapes.h"
 
 #include <encage/bake.h>
@@ -6,46 +7,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 namespace encage {
 namespace {
 
-using test::Folder;
-
-/// The message with which a file is refused; empty if it is read.
-std::string refusal(const std::string& name, std::string_view bytes) {
-  const Folder folder;
-  const std::filesystem::path file = folder.write(name, bytes);
-  testing::internal::CaptureStderr();
-  testing::internal::CaptureStdout();
-  std::string message;
-  try {
-    read_polygon_mesh(file);
-  } catch (const Error& error) {
-    message = error.what();
-    EXPECT_EQ(message.find(file.string() + ": "), 0u) << message;
-    message = message.substr(file.string().size() + 2);
-  }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
-  return message;
-}
-
-PolygonMesh read(const std::string& name, std::string_view bytes) {
-  const Folder folder;
-  return read_polygon_mesh(folder.write(name, bytes));
-}
-
-template <typename T>
-std::string raw(std::initializer_list<T> values) {
-  std::string bytes;
-  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-  return bytes;
-}
-
-std::vector<std::int32_t> indices(std::initializer_list<std::int32_t> list) { return list; }
+using namespace test;
 
 // ---- OFF -------------------------------------------------------------------
 
@@ -123,7 +90,7 @@ TEST(ReadObj, RefusesMalformedFiles) {
             "face 0: line 4: vertex index 0 is out of range (3 vertices so far)");
   EXPECT_EQ(refusal("a.obj", vertices + "f 1 2 -4\n"),
             "face 0: line 4: vertex index -4 is out of range (3 vertices so far)");
-  EXPECT_EQ(refusal("a.obj", vertices + "f 1 2 3\nf 1 2\n"), "face 1: line 5: has 2 corners, needs at least 3");
+  EXPECT_EQ(refusal("a.obj", vertices + "f 1 2 3\nf\n"), "face 1: line 5: has no corners");
   EXPECT_EQ(refusal("a.obj", vertices + "f 1 2 x\n"), "face 0: line 4: 'x' is not an integer");
   EXPECT_EQ(refusal("a.obj", vertices + "f 1 2 /3\n"), "face 0: line 4: corner without a vertex index");
 }
@@ -185,8 +152,10 @@ TEST(ReadPly, RefusesMalformedFiles) {
   EXPECT_EQ(refusal("a.ply", head + vertices + "end_header\n" + points), "no faces (3 vertices)");
   EXPECT_EQ(refusal("a.ply", head + vertices + "element face 1\nproperty int x\nend_header\n" + points + "1\n"),
             "the faces have no list 'vertex_indices'");
-  EXPECT_EQ(refusal("a.ply", head + vertices + faces + "0 0 0\n1 0"), "vertex 1: the file ends early");
-  EXPECT_EQ(refusal("a.ply", head + vertices + faces + points + "3 0 1"), "face 0: the file ends early");
+  EXPECT_EQ(refusal("a.ply", head + vertices + faces + "0 0 0\n1 0"),
+            "vertex 1: the file ends early: the header promises more");
+  EXPECT_EQ(refusal("a.ply", head + vertices + faces + points + "3 0 1"),
+            "face 0: the file ends early: the header promises more");
   EXPECT_EQ(refusal("a.ply", head + vertices + faces + points + "3 0 1 3"),
             "face 0: vertex index 3 is out of range (3 vertices)");
   EXPECT_EQ(refusal("a.ply", head + vertices + faces + points + "3 0 1 -1"),
@@ -198,16 +167,6 @@ TEST(ReadPly, RefusesMalformedFiles) {
 }
 
 // ---- STL -------------------------------------------------------------------
-
-std::string binary_stl(std::uint32_t promised, const std::vector<std::array<float, 9>>& triangles) {
-  std::string bytes = "solid, but binary";
-  bytes.resize(80, '\0');
-  bytes += raw({promised});
-  for (const auto& t : triangles) {
-    bytes += raw({0.f, 0.f, 1.f}) + std::string(reinterpret_cast<const char*>(t.data()), 36) + std::string(2, '\0');
-  }
-  return bytes;
-}
 
 TEST(ReadStl, SharesVertices) {
   const PolygonMesh mesh = read("a.stl", binary_stl(2, {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, -0.f, 1, 0, 0, 1, 1, 0}}));
@@ -221,7 +180,6 @@ TEST(ReadStl, ReadsText) {
   EXPECT_EQ(read("a.stl", "solid a # b\n" + facet + "endsolid a\nsolid\n" + facet + "endsolid\n").corners,
             indices({0, 1, 2, 0, 1, 2}));
   EXPECT_EQ(read("a.stl", "  SOLID\n" + facet + "EndSolid\n").vertices(2, 1), 1.5);
-  EXPECT_EQ(refusal("a.stl", "solid\n" + facet), "line 9: the file ends early: 'endsolid' is missing");
   EXPECT_EQ(refusal("a.stl", "solid\n" + facet.substr(0, facet.find("1 0 0") + 3)),
             "face 0: line 5: the file ends early");
   EXPECT_EQ(refusal("a.stl", "solid\nendsolid\n"), "no faces (0 vertices)");
@@ -242,138 +200,6 @@ TEST(ReadStl, RefusesMalformedBinary) {
             "face 1: coordinate is not finite");
 }
 
-// ---- glTF ------------------------------------------------------------------
-
-/// One float triangle list of six vertices in a buffer of its own, with ushort indices behind.
-std::string gltf(const std::string& scene, const std::string& primitive, const std::string& accessors = "") {
-  const std::string data =
-      raw<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 0, 0, 2, 1, 0}) + raw<std::uint16_t>({0, 1, 2, 3, 2, 1});
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string base64;
-  for (std::size_t i = 0; i + 2 < data.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | static_cast<unsigned char>(data[i + k]);
-    for (int shift = 18; shift >= 0; shift -= 6) base64 += digits[bits >> shift & 63];
-  }
-  return R"({"asset":{"version":"2.0"},"scene":0,)" + scene + R"(,"meshes":[{"primitives":[)" + primitive +
-         R"(]}],"buffers":[{"byteLength":84,"uri":"data:application/octet-stream;base64,)" + base64 +
-         R"("}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":72},{"buffer":0,"byteOffset":72,"byteLength":12}],)"
-         R"("accessors":[)" +
-         (accessors.empty()
-              ? R"({"bufferView":0,"componentType":5126,"count":6,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"})"
-              : accessors) +
-         "]}";
-}
-
-const std::string one_node = R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}])";
-const std::string indexed = R"({"attributes":{"POSITION":0},"indices":1})";
-
-TEST(ReadGltf, ReadsIndexedTriangles) {
-  const PolygonMesh mesh = read("a.gltf", gltf(one_node, indexed));
-  EXPECT_EQ(mesh.vertices.rows(), 6);
-  EXPECT_EQ(mesh.corners, indices({0, 1, 2, 3, 2, 1}));
-}
-
-TEST(ReadGltf, ReadsStripsFansAndPlainLists) {
-  EXPECT_EQ(read("a.gltf", gltf(one_node, R"({"attributes":{"POSITION":0}})")).corners, indices({0, 1, 2, 3, 4, 5}));
-  EXPECT_EQ(read("a.gltf", gltf(one_node, R"({"attributes":{"POSITION":0},"mode":5})")).corners,
-            indices({0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4}));
-  EXPECT_EQ(read("a.gltf", gltf(one_node, R"({"attributes":{"POSITION":0},"mode":6})")).corners,
-            indices({0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5}));
-  EXPECT_EQ(refusal("a.gltf", gltf(one_node, R"({"attributes":{"POSITION":0},"mode":1})")), "no faces (0 vertices)");
-}
-
-TEST(ReadGltf, SharesVerticesOfPrimitives) {
-  const PolygonMesh mesh = read("a.gltf", gltf(one_node, indexed + "," + indexed));
-  EXPECT_EQ(mesh.vertices.rows(), 6);
-  EXPECT_EQ(mesh.polygon_count(), 4);
-}
-
-TEST(ReadGltf, AppliesNodeTransforms) {
-  // Half a turn about z is (0,0,1,0); the child is scaled first, then moved by its parent.
-  const PolygonMesh mesh = read("a.gltf", gltf(R"("scenes":[{"nodes":[1,2]}],"nodes":[{"mesh":0,"scale":[2,3,4]},)"
-                                               R"({"children":[0],"translation":[10,20,30],"rotation":[0,0,1,0]},)"
-                                               R"({"mesh":0,"matrix":[0,1,0,0, 1,0,0,0, 0,0,1,0, 5,6,7,1]}])",
-                                               indexed));
-  ASSERT_EQ(mesh.vertices.rows(), 12);
-  EXPECT_EQ(mesh.vertices.row(3), Eigen::RowVector3d(10 - 2, 20 - 3, 30));
-  EXPECT_EQ(mesh.vertices.row(6 + 4), Eigen::RowVector3d(5, 6 + 2, 7));
-  // The second matrix mirrors: the winding turns.
-  EXPECT_EQ(mesh.corners, indices({0, 1, 2, 3, 2, 1, 6, 8, 7, 9, 7, 8}));
-}
-
-TEST(ReadGltf, ReadsBinaryContainer) {
-  const std::string data = raw<float>({0, 0, 0, 1, 0, 0, 0, 1, 0});
-  std::string json = R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
-                     R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36}],)"
-                     R"("bufferViews":[{"buffer":0,"byteLength":36}],)"
-                     R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})";
-  json.resize((json.size() + 3) / 4 * 4, ' ');
-  const auto size = [](const std::string& s) { return static_cast<std::uint32_t>(s.size()); };
-  const std::string bytes = "glTF" + raw<std::uint32_t>({2, 28 + size(json) + size(data), size(json)}) + "JSON" + json +
-                            raw<std::uint32_t>({size(data)}) + std::string("BIN\0", 4) + data;
-  EXPECT_EQ(read("a.glb", bytes).corners, indices({0, 1, 2}));
-  for (std::size_t cut = 1; cut < bytes.size(); cut += 7) {
-    EXPECT_NE(refusal("a.glb", bytes.substr(0, bytes.size() - cut)), "") << cut;
-  }
-}
-
-TEST(ReadGltf, RefusesMalformedFiles) {
-  const std::string positions = R"({"bufferView":0,"componentType":5126,"count":6,"type":"VEC3"})";
-  const auto with_indices = [&](const std::string& accessor) {
-    return refusal("a.gltf", gltf(one_node, indexed, positions + "," + accessor));
-  };
-  EXPECT_NE(refusal("a.gltf", "{\"asset\":"), "");
-  EXPECT_NE(refusal("a.glb", "glTF"), "");
-  EXPECT_EQ(with_indices(R"({"bufferView":1,"componentType":5123,"count":7,"type":"SCALAR"})"),
-            "accessor 1: reaches beyond its buffer");
-  EXPECT_EQ(with_indices(R"({"bufferView":1,"componentType":5123,"count":5,"type":"SCALAR"})"),
-            "accessor 1: 5 indices are no whole number of triangles");
-  EXPECT_EQ(with_indices(R"({"bufferView":1,"componentType":5125,"count":3,"type":"SCALAR"})"),
-            "accessor 1: index 65536 is out of range (6 vertices)");
-  EXPECT_EQ(with_indices(R"({"bufferView":7,"componentType":5123,"count":3,"type":"SCALAR"})"),
-            "accessor[1] invalid bufferView");
-  EXPECT_EQ(refusal("a.gltf", gltf(one_node, R"({"attributes":{"POSITION":1}})")), "accessor 1: has the wrong type");
-  EXPECT_EQ(refusal("a.gltf", gltf(one_node, R"({"attributes":{"POSITION":9}})")), "accessor 9: does not exist");
-  EXPECT_EQ(refusal("a.gltf", gltf(R"("scenes":[{"nodes":[3]}],"nodes":[{"mesh":0}])", indexed)),
-            "node 3: does not exist");
-  EXPECT_EQ(refusal("a.gltf", gltf(R"("scenes":[{"nodes":[0]}],"nodes":[{"children":[1]},{"children":[0]}])", indexed)),
-            "node 0: has more than one parent");
-  EXPECT_EQ(refusal("a.gltf", gltf(R"("extensionsRequired":["KHR_draco_mesh_compression"],)" + one_node, indexed)),
-            "the extension KHR_draco_mesh_compression is not supported");
-}
-
-TEST(ReadGltf, ReadsNodesNestedAsDeepAsTheyAre) {
-  constexpr int depth = 200000;
-  std::string nodes = R"("scenes":[{"nodes":[0]}],"nodes":[)";
-  for (int n = 1; n < depth; ++n) nodes += R"({"children":[)" + std::to_string(n) + R"(],"translation":[1,0,0]},)";
-  const PolygonMesh mesh = read("a.gltf", gltf(nodes + R"({"mesh":0}])", indexed));
-  ASSERT_EQ(mesh.vertices.rows(), 6);
-  EXPECT_EQ(mesh.vertices(0, 0), depth - 1);
-}
-
-TEST(ReadGltf, VisitsChildrenInOrder) {
-  const PolygonMesh mesh = read("a.gltf", gltf(R"("scenes":[{"nodes":[0,3]}],"nodes":[{"children":[1,2]},)"
-                                               R"({"mesh":0,"translation":[1,0,0]},{"mesh":0,"translation":[2,0,0]},)"
-                                               R"({"mesh":0,"translation":[3,0,0]}])",
-                                               indexed));
-  ASSERT_EQ(mesh.vertices.rows(), 18);
-  for (int n = 0; n < 3; ++n) EXPECT_EQ(mesh.vertices(6 * n, 0), n + 1);
-}
-
-TEST(ReadGltf, RefusesDeepJson) {
-  const std::string brackets = std::string(1000000, '[') + std::string(1000000, ']');
-  for (const char* member : {"extras", "extensions"}) {
-    std::string json = R"("nodes":[{"mesh":0}],")" + std::string(member) + R"(":{"a":)" + brackets + "}";
-    EXPECT_EQ(refusal("a.gltf", gltf(json, indexed)), "JSON nested deeper than 64 levels");
-  }
-  std::string json = R"({"asset":{"version":"2.0"},"extras":)" + brackets + "}";
-  json.resize((json.size() + 3) / 4 * 4, ' ');
-  const auto size = static_cast<std::uint32_t>(json.size());
-  EXPECT_EQ(refusal("a.glb", "glTF" + raw<std::uint32_t>({2, 20 + size, size}) + "JSON" + json),
-            "JSON nested deeper than 64 levels");
-}
-
 // ---- Any -------------------------------------------------------------------
 
 TEST(ReadPolygonMesh, RefusesWhatItCannotOpen) {
@@ -381,7 +207,7 @@ TEST(ReadPolygonMesh, RefusesWhatItCannotOpen) {
   EXPECT_THROW(read_polygon_mesh(folder / "missing.obj"), Error);
   std::filesystem::create_directory(folder / "folder.obj");
   EXPECT_THROW(read_polygon_mesh(folder / "folder.obj"), Error);
-  EXPECT_EQ(refusal("a.xyz", "0 0 0"), "unknown extension '.xyz' (known: .obj .ply .stl .off .gltf .glb)");
+  EXPECT_EQ(refusal("a.xyz", "0 0 0"), "unknown format 'xyz' (known: obj ply stl off gltf glb)");
   for (const char* name : {"a.obj", "a.ply", "a.stl", "a.off", "a.gltf", "a.glb"}) {
     EXPECT_EQ(refusal(name, ""), "the file is empty");
   }

@@ -110,6 +110,13 @@ TEST_F(BakeCommand, BadInputIsNamed) {
   }
 }
 
+TEST_F(BakeCommand, WhatTheReaderSkippedIsNoted) {
+  folder.write("lines.obj", to_obj(torus(24, 12)) + "l 1 2\n");
+  const RunResult result = encage({"bake", "lines.obj", "--faces", "60"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_NE(result.err.find("note: lines.obj: skipped: 1 line element\n"), std::string::npos) << result.err;
+}
+
 TEST_F(BakeCommand, AnExistingOutputSurvivesAFailure) {
   folder.write("out.glb", "precious");
   folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 1\nf 1 2 3\n");
