@@ -48,6 +48,7 @@ struct BakeArguments {
   int levels = 0;
   double time_limit = 0;
   bool no_source = false;
+  bool verbose = false;
   BakeOptions options;
   FlowOptions flow;
 };
@@ -81,10 +82,7 @@ void print_level(std::size_t number, const CageLevel& level, double seconds) {
 }
 
 void print_source(const std::filesystem::path& input, const BakedMesh& baked) {
-  std::cout << Input(input).name() << ": " << baked.input_faces << " triangles, " << name(baked.source.solid);
-  const std::string changes = describe(baked.source.report);
-  if (!changes.empty()) std::cout << " (" << changes << ")";
-  std::cout << '\n';
+  std::cout << Input(input).name() << ": " << baked.input_faces << " triangles, " << describe(baked.source) << '\n';
 }
 
 /// Where the asset goes. Throws Error if a result could not be written, before any long work.
@@ -112,7 +110,9 @@ BakedMesh read_and_bake(BakeArguments& arguments) {
   arguments.flow.read_coarse(arguments.options, note);
   throw_if_interrupted();
   progress.update(0, "sanitizing");
-  BakedMesh baked = bake_mesh(input.name(), mesh, arguments.options, progress.context(&interrupted));
+  BakeContext context = progress.context(&interrupted);
+  if (arguments.verbose) context.trace = context.log;
+  BakedMesh baked = bake_mesh(input.name(), mesh, arguments.options, context);
   throw_if_interrupted();
   return baked;
 }
@@ -192,6 +192,7 @@ void add_bake(CLI::App& app, int& status) {
   bake->add_flag("--keep-partial", a->options.keep_partial,
                  "If a level cannot be made, write those before it; the exit status is 1");
   bake->add_flag("--no-source", a->no_source, "Leave the source mesh (level 0) out of the asset");
+  bake->add_flag("--verbose", a->verbose, "Note what the makers of the cages try, and what fails");
   add_json(*bake, a->json);
   bake->callback([=, &status] {
     a->flow.check(a->options);

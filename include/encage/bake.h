@@ -178,7 +178,10 @@ struct BakeOptions {
 struct BakeContext {
   /// fraction in [0,1] of the whole job, and what is being done now.
   std::function<void(double fraction, std::string_view stage)> progress;
+  /// What concerns the caller: levels that were asked for and are not made.
   std::function<void(std::string_view message)> log;
+  /// How the makers get on: what failed, and what they tried instead.
+  std::function<void(std::string_view message)> trace;
   /// Set from any thread or a signal handler; noticed within about a second, or when a running alpha wrap (seconds, on
   /// large inputs) ends.
   std::atomic<bool>* cancel = nullptr;

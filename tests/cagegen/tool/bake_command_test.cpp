@@ -154,6 +154,32 @@ TEST_F(BakeCommand, WhatTheReaderSkippedIsNoted) {
   EXPECT_NE(result.err.find("note: lines.obj: skipped: 1 line element\n"), std::string::npos) << result.err;
 }
 
+/// Of a tree of leaf cards, thousands of which are open and half of which face inward.
+TEST_F(BakeCommand, NotesAreFewAndInTheUsersWords) {
+  TriangleMesh tree = torus(24, 12);
+  tree.triangles.col(1).swap(tree.triangles.col(2));
+  std::string text = to_obj(tree);
+  for (int leaf = 0; leaf < 40; ++leaf) {
+    const std::string x = std::to_string(2 + leaf);
+    text += "v " + x + " 0 0\nv " + x + ".5 0 0\nv " + x + ".5 .5 .1\nv " + x + " .5 0\nf -4 -3 -2\nf -4 -2 -1\n";
+  }
+  text += "f 1 2 2\nf 1 2 1\nv 9 9 9\n";
+  folder.write("tree.obj", text);
+  const RunResult result = encage({"bake", "tree.obj", "--method", "flow", "--faces", "100"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(
+      result.out.starts_with("tree.obj: 658 triangles, open in 40 places, which are capped; parts that faced "
+                             "inward are turned; 2 faces without area or twice there\n"))
+      << result.out;
+  EXPECT_EQ(result.err.find("note:"), std::string::npos) << result.err;
+  const RunResult verbose = encage({"bake", "tree.obj", "--method", "flow", "--faces", "100", "--verbose"});
+  EXPECT_NE(verbose.err.find("note: coarse mesh '"), std::string::npos) << verbose.err;
+
+  folder.write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  EXPECT_TRUE(encage({"bake", "sheet.obj", "--faces", "12"})
+                  .out.starts_with("sheet.obj: 2 triangles, encloses no volume: the cages enclose its surface\n"));
+}
+
 TEST_F(BakeCommand, AnExistingOutputSurvivesAFailure) {
   folder.write("out.glb", "precious");
   folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 1\nf 1 2 3\n");
