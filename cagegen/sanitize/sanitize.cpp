@@ -3,6 +3,7 @@
 #include "cagegen/sanitize/degenerate.h"
 #include "cagegen/sanitize/edge_table.h"
 #include "cagegen/sanitize/orient.h"
+#include "cagegen/sanitize/solid_volume.h"
 #include "cagegen/sanitize/weld.h"
 #include "src/files/hash.h"
 #include "src/limits.h"
@@ -244,6 +245,8 @@ EnclosingSurface close(TriangleMesh mesh, double diagonal) {
     surface.cap_count = surface.loops = 0;
     surface.solid = Solid::surface_only;
     surface.volume = 0;
+  } else {
+    surface.volume = io::solid_volume(surface.mesh);
   }
   surface.turned_components = count_turned(components, turned);
   return surface;

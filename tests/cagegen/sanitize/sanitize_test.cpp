@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/certify/exact.h"
+#include "cagegen/sanitize/solid_volume.h"
 #include "tests/cagegen/io/shapes.h"
 
 #include <encage/bake.h>
@@ -75,7 +76,7 @@ void expect_consistent(const SourceMesh& source, const TriangleMesh& input) {
     EXPECT_EQ(source.volume, 0);
   } else {
     EXPECT_GT(source.volume, 0);
-    EXPECT_EQ(source.volume, signed_volume(source.obstacle));
+    EXPECT_EQ(source.volume, io::solid_volume(source.obstacle));
   }
   std::set<Place> places;
   std::set<std::set<Place>> triangles;
