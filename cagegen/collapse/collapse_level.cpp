@@ -22,6 +22,7 @@ namespace {
 // Decided by experiment on octopus, fandisk, elephant and armadillo.
 constexpr double collapse_quadric_weight = 10;
 constexpr double offset_height = 2e-4;                   // height of an offset start, diagonals
+constexpr std::int64_t most_hull_faces = 8;              // of the target's, above which a hull is decimated
 constexpr std::uint64_t work_per_level = 2'000'000'000;  // triangle tests of one candidate
 constexpr double explosion_factor = 20;                  // a candidate may grow to so many times its start
 
@@ -102,7 +103,12 @@ std::optional<TriangleMesh> make_decimation(double parameter, const Obstacle& ob
 /// Makes the start, or its fallback, which then replaces it.
 std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, const LevelRequest& request) {
   switch (start.kind) {
-    case Start::Kind::hull: return hull_start(obstacle, *request.clean, request.clearance);
+    case Start::Kind::hull: {
+      TriangleMesh hull = hull_start(obstacle, *request.clean, request.clearance);
+      const std::int64_t most = most_hull_faces * request.faces;
+      if (hull.triangles.rows() <= most) return hull;
+      return offset_start(obstacle, simplify(hull, most), offset_height * request.diagonal, true, request.clearance);
+    }
     case Start::Kind::box: return box_start(obstacle, *request.clean, request.clearance);
     case Start::Kind::tetrahedron: return tetrahedron_start(obstacle, *request.clean, request.clearance);
     case Start::Kind::decimate: {

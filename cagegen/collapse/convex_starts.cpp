@@ -7,11 +7,13 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <span>
+#include <utility>
 #include <vector>
 
 namespace encage::makers {
@@ -31,15 +33,33 @@ std::vector<Point> extreme_points(const TriangleMesh& mesh) {
   return hull ? rows(hull->vertices) : points;
 }
 
-/// Points, the corners of a small box around each, and axes of a box around all of them.
+/// The farthest of the points in `count` directions that are spread evenly (a Fibonacci lattice).
+std::vector<Point> farthest(const std::vector<Point>& points, std::size_t count) {
+  constexpr double golden_angle = 2.39996322972865332;
+  std::vector<Point> found;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
+    const double angle = golden_angle * static_cast<double>(i), radius = std::sqrt(1 - z * z);
+    const Point direction(radius * std::cos(angle), radius * std::sin(angle), z);
+    found.push_back(*std::max_element(points.begin(), points.end(), [&](const Point& a, const Point& b) {
+      return a.dot(direction) < b.dot(direction);
+    }));
+  }
+  return found;
+}
+
+/// The points of a convex start, and the axes of a small box around them.
 struct Frame {
   std::vector<Point> points;
   Eigen::Matrix3d axes;  ///< rows; from the mesh's coordinates to those along the box
 
   Frame(const TriangleMesh& mesh, double clearance) : points(extreme_points(mesh)) {
+    // The search takes long with many points. Those that are farthest in some directions tell almost as much.
+    constexpr std::size_t enough = 400;
+    std::vector<Point> outermost = points.size() > enough ? farthest(points, enough) : points;
     // Flat points have boxes of no volume in many directions. With the clearance around them, one is the smallest.
     std::vector<Point> solid;
-    for (const Point& p : points) {
+    for (const Point& p : outermost) {
       for (int k = 0; k < 3; ++k) {
         for (const double sign : {-1.0, 1.0}) solid.push_back(p + sign * clearance * Point::Unit(k));
       }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/sanitize/solid_volume.h"
 
+#include "cagegen/sanitize/nesting.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,9 +16,12 @@ namespace encage::io {
 
 namespace {
 
-constexpr int fewest_rays = 64;        // along a side of the grid
-constexpr int most_rays = 512;         // the grid is finer than the triangles, as far as that is affordable
+// Rays along a side of the grid: a coarse one tells whether anything is counted several times, a fine one how much.
+constexpr int fewest_rays = 64;
+constexpr int most_rays = 256;
+constexpr int fewest_fine_rays = 192;
 constexpr double negligible = 1e-6;    // of the volume: roundings where surfaces touch
+constexpr double accuracy = 1e-3;      // of what is summed along rays
 constexpr double offset = 0.41421356;  // of a ray in its cell: hardly any vertex or edge is hit
 
 struct Crossing {
@@ -27,12 +33,10 @@ struct Crossing {
 /// Parallel rays along the shortest side of the bounds.
 class RayGrid {
  public:
-  explicit RayGrid(const TriangleMesh& mesh) : mesh_(mesh), box_(bounds(mesh)) {
+  RayGrid(const TriangleMesh& mesh, int count) : mesh_(mesh), box_(bounds(mesh)), count_(count) {
     box_.sizes().minCoeff(&axis_);
     u_ = (axis_ + 1) % 3;
     v_ = (axis_ + 2) % 3;
-    const double wanted = 4 * std::sqrt(static_cast<double>(mesh.triangles.rows()));
-    count_ = static_cast<int>(std::clamp(wanted, 1.0 * fewest_rays, 1.0 * most_rays));
     step_u_ = box_.sizes()[u_] / count_;
     step_v_ = box_.sizes()[v_] / count_;
   }
@@ -42,14 +46,28 @@ class RayGrid {
   std::vector<Crossing> crossings() const {
     std::vector<Crossing> found;
     for (std::int64_t t = 0; t < mesh_.triangles.rows(); ++t) add_crossings(t, found);
-    std::sort(found.begin(), found.end(),
-              [](const Crossing& a, const Crossing& b) { return a.ray != b.ray ? a.ray < b.ray : a.at < b.at; });
-    return found;
+    return in_order(found);
   }
 
  private:
   double u(int i) const { return box_.min()[u_] + (i + offset) * step_u_; }
   double v(int j) const { return box_.min()[v_] + (j + offset) * step_v_; }
+
+  /// By ray, which is a number below count_ squared, and along each.
+  std::vector<Crossing> in_order(const std::vector<Crossing>& found) const {
+    std::vector<std::size_t> next(static_cast<std::size_t>(count_) * count_ + 1, 0);
+    for (const Crossing& c : found) ++next[c.ray + 1];
+    for (std::size_t r = 1; r < next.size(); ++r) next[r] += next[r - 1];
+    std::vector<Crossing> ordered(found.size());
+    for (const Crossing& c : found) ordered[next[c.ray]++] = c;
+    auto first = ordered.begin();
+    for (std::size_t r = 0; r + 1 < next.size(); ++r) {  // `next` is where each ray ends now
+      const auto last = ordered.begin() + static_cast<std::ptrdiff_t>(next[r]);
+      std::sort(first, last, [](const Crossing& a, const Crossing& b) { return a.at < b.at; });
+      first = last;
+    }
+    return ordered;
+  }
 
   /// The first and the last ray between two coordinates.
   std::array<int, 2> rays_between(double low, double high, double start, double step) const {
@@ -98,26 +116,53 @@ class RayGrid {
   const TriangleMesh& mesh_;
   Eigen::AlignedBox3d box_;
   int axis_ = 0, u_ = 1, v_ = 2;
-  int count_ = fewest_rays;
+  int count_;
   double step_u_ = 0, step_v_ = 0;
 };
 
-}  // namespace
+/// Holds if no part intersects another or itself.
+double volume_of_nest(const TriangleMesh& mesh, const std::vector<std::vector<std::int32_t>>& parts) {
+  const std::vector<std::vector<std::int32_t>> around = containers(mesh, parts);
+  std::vector<double> volume;
+  for (const auto& part : parts) volume.push_back(part_volume(mesh, part));
+  double sum = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    int outside = 0;
+    for (const std::int32_t outer : around[p]) outside += volume[outer] < 0 ? -1 : 1;
+    const int inside = outside + (volume[p] < 0 ? -1 : 1);
+    sum += std::abs(volume[p]) * ((inside != 0) - (outside != 0));
+  }
+  return sum;
+}
 
-double solid_volume(const TriangleMesh& mesh) {
-  const double volume = signed_volume(mesh);
-  const RayGrid grid(mesh);
+/// By how much signed_volume() exceeds the volume of the solid.
+double surplus(const TriangleMesh& mesh, int rays) {
+  const RayGrid grid(mesh, rays);
   const std::vector<Crossing> crossings = grid.crossings();
-  double counted = 0;  // too often, along all rays
+  double sum = 0;
   int winding = 0;
   for (std::size_t i = 0; i + 1 < crossings.size(); ++i) {
-    winding = i > 0 && crossings[i].ray != crossings[i - 1].ray ? crossings[i].winding : winding + crossings[i].winding;
-    if (winding == 0 || winding == 1 || crossings[i + 1].ray != crossings[i].ray) continue;
-    counted += (winding - 1) * (crossings[i + 1].at - crossings[i].at);
+    winding += crossings[i].winding;
+    if (crossings[i + 1].ray != crossings[i].ray) {
+      winding = 0;
+    } else if (winding != 0 && winding != 1) {
+      sum += (winding - 1) * (crossings[i + 1].at - crossings[i].at);
+    }
   }
-  const double surplus = counted * grid.area_of_ray();
-  const bool overlaps = std::abs(surplus) > negligible * std::abs(volume) && surplus < volume;
-  return overlaps ? volume - surplus : volume;
+  return sum * grid.area_of_ray();
+}
+
+}  // namespace
+
+double solid_volume(const TriangleMesh& mesh, const std::vector<std::vector<std::int32_t>>& parts) {
+  const double volume = signed_volume(mesh);
+  const double wanted = 4 * std::sqrt(static_cast<double>(mesh.triangles.rows()));
+  const int rays = static_cast<int>(std::clamp(wanted, 1.0 * fewest_rays, 1.0 * most_rays));
+  if (std::abs(surplus(mesh, rays)) <= negligible * volume) return volume;
+  const double summed = volume - surplus(mesh, std::max(2 * rays, fewest_fine_rays));
+  if (summed <= 0) return volume;
+  const double nested = volume_of_nest(mesh, parts);
+  return std::abs(nested - summed) <= accuracy * summed ? nested : summed;
 }
 
 }  // namespace encage::io
