@@ -37,7 +37,8 @@ struct LevelRequest {
 struct Candidate {
   TriangleMesh cage;
   double volume = 0;
-  std::string start;  ///< "offset", "decimate/3", "wrap/50", "hull", "regular", "adaptive", "user"
+  std::string start;    ///< "decimate", "wrap/50", "hull", "box", "tetrahedron", "regular", "adaptive", "user"
+  bool convex = false;  ///< made from the convex hull, a box or a tetrahedron, not from the surface
 };
 
 /// Decides by exact arithmetic: the certificate of a candidate, no value if it is refused. Called from one thread.

@@ -52,13 +52,12 @@ CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const B
   const auto start = std::chrono::steady_clock::now();
   validate(options);
   const std::vector<TriangleMesh> coarse = local_coarse_meshes(options, source);
-  const std::int64_t source_faces = source.clean.triangles.rows();
-  const std::vector<std::int64_t> faces = level_faces(options, source_faces, context.log);
+  const std::vector<std::int64_t> faces = level_faces(options, source, context.log);
   CageHierarchy result = describe_source(source, options.keep_fine);
   result.options = options_json(options, faces);
 
   LevelMaker maker(source, options, context);
-  Chain chain = compete(maker, recipes(options, faces, coarse, source_faces), context);
+  Chain chain = compete(maker, recipes(options, faces, coarse), context);
   if (!chain.failure.empty()) {
     if (!options.keep_partial || chain.levels.empty()) throw Error(chain.failure);
     if (context.log) context.log("only the levels before are kept: " + chain.failure);

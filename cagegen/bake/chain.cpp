@@ -24,8 +24,7 @@ std::string describe(std::size_t level, const LevelTarget& target) {
 }  // namespace
 
 std::vector<Recipe> recipes(const BakeOptions& options, const std::vector<std::int64_t>& faces,
-                            const std::vector<TriangleMesh>& coarse, std::int64_t source_faces) {
-  if (faces.empty()) return {uniform(Method::hull, {std::max<std::int64_t>(4, source_faces)}, {})};
+                            const std::vector<TriangleMesh>& coarse) {
   // Only the flow can do with the user's meshes.
   if (!coarse.empty() || options.method == BakeMethod::flow) return {uniform(Method::flow, faces, coarse)};
   std::vector<Recipe> all = {uniform(Method::collapse, faces, {})};

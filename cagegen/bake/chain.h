@@ -32,7 +32,7 @@ struct Chain {
 /// The chains that compete for these levels under the options; never empty. `coarse` holds the user's meshes in the
 /// local frame.
 std::vector<Recipe> recipes(const BakeOptions& options, const std::vector<std::int64_t>& faces,
-                            const std::vector<TriangleMesh>& coarse, std::int64_t source_faces);
+                            const std::vector<TriangleMesh>& coarse);
 
 /// The number of a chain among all that are made.
 struct ChainRank {

@@ -91,9 +91,7 @@ void LevelMaker::work(const MadeLevel* finer, const LevelTarget& target, MadeLev
     makers::LevelResult result = make_by(target.method, obstacle, request, finer, target.coarse);
     made.level = {std::move(result.candidate.cage), std::move(result.certificate)};
     Certificate& certificate = made.level.certificate;
-    // The collapse ends with the hull where nothing else holds.
-    const bool hull = target.method == Method::collapse && result.candidate.start == "hull";
-    certificate.method = hull ? Method::hull : target.method;
+    certificate.method = result.candidate.convex ? Method::hull : target.method;
     certificate.start = std::move(result.candidate.start);
     if (source_.volume > 0) certificate.volume_ratio = certificate.volume / source_.volume;
     made.undeformed = std::move(result.undeformed);
@@ -111,7 +109,6 @@ makers::LevelResult LevelMaker::make_by(Method method, const makers::Obstacle& o
                                         const TriangleMesh* coarse) {
   const Solid solid = finer != nullptr ? Solid::closed : source_.solid;
   const auto decide = [&](const makers::Candidate& candidate) { return accept(*request.inner, solid, candidate); };
-  if (method == Method::hull) return makers::hull_level(obstacle, request, control_, decide);
   if (method == Method::collapse) return makers::collapse_level(obstacle, request, control_, decide);
   makers::FlowChoices choices;
   if (finer != nullptr && finer->undeformed.triangles.rows() > 0) choices.undeformed = &finer->undeformed;
@@ -121,7 +118,14 @@ makers::LevelResult LevelMaker::make_by(Method method, const makers::Obstacle& o
   choices.inflate = options_.energy_inflate ? options_.energy_inflate : step_energy();
   choices.final = options_.energy_final ? options_.energy_final : volume_energy();
   choices.path = options_.path;
-  return makers::flow_level(obstacle, request, choices, control_, decide);
+  makers::LevelResult result = makers::flow_level(obstacle, request, choices, control_, decide);
+  // Who brings meshes, or an energy other than the volume, wants just what comes of them.
+  const bool for_volume = coarse == nullptr && choices.final == volume_energy();
+  if (!for_volume || request.topology == Topology::keep) return result;
+  if (auto convex = makers::convex_level(obstacle, request, result.candidate.volume, control_, decide)) {
+    return std::move(*convex);
+  }
+  return result;
 }
 
 /// The one place where a candidate becomes a certified cage.

@@ -23,7 +23,7 @@ struct MadeLevel {
 };
 
 struct LevelTarget {
-  Method method = Method::collapse;  ///< hull: the source is too small for the others
+  Method method = Method::collapse;  ///< collapse or flow
   std::int64_t faces = 0;
   const TriangleMesh* coarse = nullptr;  ///< of the flow: made by the user, local frame
 };

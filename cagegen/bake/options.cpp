@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace encage {
 
@@ -86,27 +87,37 @@ void validate(const BakeOptions& options) {
   }
 }
 
-std::vector<std::int64_t> level_faces(const BakeOptions& options, std::int64_t source_faces,
+std::vector<std::int64_t> level_faces(const BakeOptions& options, const SourceMesh& source,
                                       const std::function<void(std::string_view)>& log) {
-  std::vector<std::int64_t> levels;
-  std::int64_t before = source_faces;
+  const std::int64_t source_faces = source.clean.triangles.rows();
   const auto say = [&](const std::string& message) {
-    if (log) log(message + std::to_string(before));
+    if (log) log(message);
   };
+  std::vector<std::int64_t> levels;
   for (const TriangleMesh& mesh : options.coarse) {
     const std::int64_t faces = mesh.triangles.rows();
-    if (faces >= before) say("coarse mesh of " + std::to_string(faces) + " faces: the level before has no more, ");
+    const std::int64_t before = levels.empty() ? source_faces : levels.back();
+    if (faces >= before) {
+      say("coarse mesh of " + std::to_string(faces) + " faces: the level before has no more, " +
+          std::to_string(before));
+    }
     levels.push_back(faces);
-    before = faces;
   }
   if (!levels.empty()) return levels;
-  for (const std::int64_t faces : wanted_levels(options, source_faces)) {
-    if (faces < before) {
-      levels.push_back(faces);
-      before = faces;
-    } else {
-      say("level of " + std::to_string(faces) + " faces skipped: the one before has ");
+  // A cage of an open surface, or of a soup, can do with more; one of a flat body needs sides.
+  constexpr std::int64_t sides = 12;
+  const std::int64_t most = source.manifold ? std::max(source_faces, sides) : std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t wanted : wanted_levels(options, source_faces)) {
+    const std::int64_t faces = std::min(wanted, most);
+    if (!levels.empty() && faces >= levels.back()) {
+      say("level of " + std::to_string(wanted) + " faces skipped: the one before has " + std::to_string(levels.back()));
+      continue;
     }
+    if (faces < wanted && !options.faces.empty()) {
+      say("level of " + std::to_string(wanted) + " faces: the input has " + std::to_string(source_faces) +
+          ", and no cage of it needs more than " + std::to_string(most));
+    }
+    levels.push_back(faces);
   }
   return levels;
 }

@@ -14,9 +14,10 @@ namespace encage {
 /// Throws Error for values out of range and for options that contradict each other.
 void validate(const BakeOptions& options);
 
-/// Triangles of each level, fine to coarse. Levels that are not coarser than the one before are left out, and `log`
-/// says so; coarse meshes made by the user are all kept.
-std::vector<std::int64_t> level_faces(const BakeOptions& options, std::int64_t source_faces,
+/// Triangles of each level, fine to coarse. A closed surface gets no more than it has itself, which is as tight as a
+/// cage of it can be. Levels that are not coarser than the one before are left out, and `log` says so; coarse meshes
+/// made by the user are all kept.
+std::vector<std::int64_t> level_faces(const BakeOptions& options, const SourceMesh& source,
                                       const std::function<void(std::string_view)>& log);
 
 /// What the asset records. Options of the flow are named only where it may run.

@@ -3,6 +3,7 @@
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/collapse.h"
+#include "cagegen/collapse/convex_starts.h"
 #include "cagegen/collapse/starts.h"
 #include "cagegen/contact/minimize.h"
 #include "cagegen/threads/parallel.h"
@@ -21,11 +22,12 @@ namespace {
 // Decided by experiment on octopus, fandisk, elephant and armadillo.
 constexpr double collapse_quadric_weight = 10;
 constexpr double offset_height = 2e-4;                   // height of an offset start, diagonals
+constexpr std::int64_t most_hull_faces = 8;              // of the target's, above which a hull is decimated
 constexpr std::uint64_t work_per_level = 2'000'000'000;  // triangle tests of one candidate
 constexpr double explosion_factor = 20;                  // a candidate may grow to so many times its start
 
 struct Start {
-  enum class Kind { decimate, wrap, hull } kind;
+  enum class Kind { decimate, wrap, hull, box, tetrahedron } kind;
   double parameter = 0;  ///< faces relative to the target, or diagonals relative to alpha
   double fallback = 0;   ///< of a decimation that fails: a wrap's parameter, 0 for none
 };
@@ -59,15 +61,24 @@ std::vector<Phase> portfolio(const LevelRequest& request) {
         {{Kind::wrap, 20}, {Kind::wrap, 10}, {Kind::wrap, 5}});
     add({}, {{Kind::wrap, 50}});
   }
-  if (request.topology != Topology::keep) phases.push_back({{Kind::hull, 0}});
   return phases;
 }
+
+/// Starts that always come through. No cage need enclose more than the tightest of them.
+Phase convex_starts(const LevelRequest& request) {
+  using Kind = Start::Kind;
+  return request.faces < 12 ? Phase{{Kind::hull}, {Kind::tetrahedron}} : Phase{{Kind::hull}, {Kind::box}};
+}
+
+bool is_convex(const Start& start) { return start.kind != Start::Kind::decimate && start.kind != Start::Kind::wrap; }
 
 std::string name(const Start& start) {
   switch (start.kind) {
     case Start::Kind::decimate: return "decimate";
     case Start::Kind::wrap: return "wrap/" + std::to_string(static_cast<int>(start.parameter));
     case Start::Kind::hull: return "hull";
+    case Start::Kind::box: return "box";
+    case Start::Kind::tetrahedron: return "tetrahedron";
   }
   return {};
 }
@@ -91,11 +102,22 @@ std::optional<TriangleMesh> make_decimation(double parameter, const Obstacle& ob
 
 /// Makes the start, or its fallback, which then replaces it.
 std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, const LevelRequest& request) {
-  if (start.kind == Start::Kind::hull) return hull_start(obstacle, *request.clean, request.clearance);
-  if (start.kind == Start::Kind::decimate) {
-    auto cage = make_decimation(start.parameter, obstacle, request);
-    if (cage || start.fallback == 0) return cage;
-    start = {Start::Kind::wrap, start.fallback};
+  switch (start.kind) {
+    case Start::Kind::hull: {
+      TriangleMesh hull = hull_start(obstacle, *request.clean, request.clearance);
+      const std::int64_t most = most_hull_faces * request.faces;
+      if (hull.triangles.rows() <= most) return hull;
+      return offset_start(obstacle, simplify(hull, most), offset_height * request.diagonal, true, request.clearance);
+    }
+    case Start::Kind::box: return box_start(obstacle, *request.clean, request.clearance);
+    case Start::Kind::tetrahedron: return tetrahedron_start(obstacle, *request.clean, request.clearance);
+    case Start::Kind::decimate: {
+      auto cage = make_decimation(start.parameter, obstacle, request);
+      if (cage || start.fallback == 0) return cage;
+      start = {Start::Kind::wrap, start.fallback};
+      break;
+    }
+    case Start::Kind::wrap: break;
   }
   const double alpha = request.diagonal / start.parameter;
   return wrap_start(obstacle, *request.clean, alpha, alpha * wrap_offset, request.clearance);
@@ -127,16 +149,16 @@ std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelR
   limits.progress(0);
   if (editor.face_count() > request.faces) tighten(editor);
   bool reached = collapse_edges(editor, limits);
-  if (!reached && start.kind != Start::Kind::hull) {
+  if (!reached && !is_convex(start)) {
     // Flat sheets have vertices without a cone of outward directions; there the condition must go.
     EditorOptions options = editor.options();
     options.keep_cones = false;
     editor.set_options(options);
     reached = collapse_edges(editor, limits);
   }
-  if (!reached && start.kind != Start::Kind::hull) return std::nullopt;
+  if (!reached) return std::nullopt;
   tighten(editor);
-  Candidate candidate{editor.extract(), 0, name(start)};
+  Candidate candidate{editor.extract(), 0, name(start), is_convex(start)};
   candidate.volume = signed_volume(candidate.cage);
   return candidate;
 }
@@ -175,7 +197,7 @@ Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const Lev
   options.self_clearance = self_clearances * request.clearance;
   options.threads = request.threads;
   options.check = [&] { control.throw_if_cancelled(); };
-  Candidate finished{editor.extract(), 0, candidate.start};
+  Candidate finished{editor.extract(), 0, candidate.start, candidate.convex};
   // Steps get shorter as they jam; starting over with long ones frees coarse cages again. Worth the time where the cage
   // is small beside what it encloses.
   const bool small = request.faces <= 1000 || request.clean->triangles.rows() > 20 * request.faces;
@@ -186,27 +208,47 @@ Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const Lev
   return finished;
 }
 
-LevelResult first_accepted(const std::vector<Phase>& phases, const Obstacle& obstacle, const LevelRequest& request,
-                           Control& control, const Accept& accept) {
-  for (const Phase& phase : phases) {
-    for (Candidate& candidate : compete(phase, obstacle, request, control)) {
-      Candidate finished = finish(candidate, obstacle, request, control);
-      if (auto certificate = accept(finished)) return {std::move(finished), std::move(*certificate), {}};
-      if (auto certificate = accept(candidate)) return {std::move(candidate), std::move(*certificate), {}};
-    }
-  }
-  throw Error("no cage of " + std::to_string(request.faces) + " faces keeps the topology of the level before");
+std::optional<LevelResult> accepted(Candidate candidate, const Obstacle& obstacle, const LevelRequest& request,
+                                    Control& control, const Accept& accept) {
+  Candidate finished = finish(candidate, obstacle, request, control);
+  if (auto certificate = accept(finished)) return LevelResult{std::move(finished), std::move(*certificate), {}};
+  if (auto certificate = accept(candidate)) return LevelResult{std::move(candidate), std::move(*certificate), {}};
+  return std::nullopt;
 }
 
 }  // namespace
 
 LevelResult collapse_level(const Obstacle& obstacle, const LevelRequest& request, Control& control,
                            const Accept& accept) {
-  return first_accepted(portfolio(request), obstacle, request, control, accept);
+  std::vector<Candidate> convex;
+  if (request.topology != Topology::keep) convex = compete(convex_starts(request), obstacle, request, control);
+  const auto tightest_convex = [&]() -> std::optional<LevelResult> {
+    std::optional<LevelResult> result;
+    for (std::size_t i = 0; i < convex.size() && !result; ++i) {
+      result = accepted(std::move(convex[i]), obstacle, request, control, accept);
+    }
+    convex.clear();
+    return result;
+  };
+  for (const Phase& phase : portfolio(request)) {
+    for (Candidate& candidate : compete(phase, obstacle, request, control)) {
+      if (!convex.empty() && convex.front().volume < candidate.volume) {
+        if (auto result = tightest_convex()) return std::move(*result);
+      }
+      if (auto result = accepted(std::move(candidate), obstacle, request, control, accept)) return std::move(*result);
+    }
+  }
+  if (auto result = tightest_convex()) return std::move(*result);
+  throw Error("no cage of " + std::to_string(request.faces) + " faces keeps the topology of the level before");
 }
 
-LevelResult hull_level(const Obstacle& obstacle, const LevelRequest& request, Control& control, const Accept& accept) {
-  return first_accepted({{{Start::Kind::hull, 0}}}, obstacle, request, control, accept);
+std::optional<LevelResult> convex_level(const Obstacle& obstacle, const LevelRequest& request, double volume,
+                                        Control& control, const Accept& accept) {
+  for (Candidate& candidate : compete(convex_starts(request), obstacle, request, control)) {
+    if (candidate.volume >= volume) break;
+    if (auto result = accepted(std::move(candidate), obstacle, request, control, accept)) return result;
+  }
+  return std::nullopt;
 }
 
 }  // namespace encage::makers

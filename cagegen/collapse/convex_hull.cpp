@@ -5,6 +5,8 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/boost/graph/helpers.h>
 #include <CGAL/convex_hull_3.h>
+#include <CGAL/optimal_bounding_box.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
@@ -109,6 +111,25 @@ std::optional<TriangleMesh> convex_hull(std::span<const Eigen::Vector3d> points)
     for (int k = 0; k < 3; ++k) result.triangles(static_cast<std::int64_t>(t), k) = triangles[t][k];
   }
   return result;
+}
+
+Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3d> points) {
+  // Coordinates of order one: the search compares volumes.
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : points) box.extend(p);
+  const double size = box.diagonal().norm();
+  std::vector<Kernel::Point_3> input;
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3d x = (p - box.center()) / size;
+    input.emplace_back(x.x(), x.y(), x.z());
+  }
+  CGAL::Aff_transformation_3<Kernel> turned;
+  CGAL::oriented_bounding_box(input, turned, CGAL::parameters::use_convex_hull(true).random_seed(1));
+  Eigen::Matrix3d axes;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) axes(row, column) = turned.m(row, column);
+  }
+  return axes;
 }
 
 }  // namespace encage::makers

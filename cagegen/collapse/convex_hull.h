@@ -15,4 +15,8 @@ namespace encage::makers {
 /// more than three points are coplanar). No value if it is flat.
 std::optional<TriangleMesh> convex_hull(std::span<const Eigen::Vector3d> points);
 
+/// Axes of a box around finite points that has about the smallest volume, as rows. CGAL's genetic search, from a fixed
+/// seed: the same for the same points. For at least four points that do not lie in a plane.
+Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3d> points);
+
 }  // namespace encage::makers

@@ -38,9 +38,6 @@ constexpr double wrap_offset = 1.0 / 12;
 std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
                                        double clearance);
 
-/// Convex hull, scaled up until it is clear of the obstacle: the last resort, and always succeeds.
-TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance);
-
 /// The components for which `kept` is set, of a mesh labelled by triangle_components(); unused vertices go.
 TriangleMesh keep_components(const TriangleMesh& mesh, std::span<const std::int32_t> label,
                              const std::vector<bool>& kept);

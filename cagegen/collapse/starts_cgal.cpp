@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The starts that CGAL makes, in one file: its headers are slow to compile.
 #include "cagegen/collapse/cage_editor.h"
-#include "cagegen/collapse/convex_hull.h"
 #include "cagegen/collapse/starts.h"
 #include "cagegen/geometry/cgal_mesh.h"
 #include "src/mesh/rounding.h"
@@ -93,49 +92,6 @@ TriangleMesh make_manifold(const TriangleMesh& mesh) {
     result.vertices.row(static_cast<std::int64_t>(v)) << p[0], p[1], p[2];
   }
   return result;
-}
-
-namespace {
-
-std::vector<Point> rows(const Vertices& vertices) {
-  std::vector<Point> points;
-  for (std::int64_t v = 0; v < vertices.rows(); ++v) points.push_back(vertices.row(v).transpose());
-  return points;
-}
-
-/// The hull of boxes around points that are first scaled about a centre. Rounded before the hull is taken: the result
-/// is convex, exactly. No value if it is flat.
-std::optional<TriangleMesh> padded_hull(const std::vector<Point>& points, const Point& centre, double scale,
-                                        double padding) {
-  std::vector<Point> padded;
-  for (const Point& p : points) {
-    for (int i = 0; i < (padding > 0 ? 8 : 1); ++i) {
-      const Point shift(i & 1 ? padding : -padding, i & 2 ? padding : -padding, i & 4 ? padding : -padding);
-      padded.push_back(round_to_float(centre + scale * (p - centre) + shift));
-    }
-  }
-  return convex_hull(padded);
-}
-
-}  // namespace
-
-TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance) {
-  const Eigen::AlignedBox3d box = bounds(mesh);
-  const double pad = box.diagonal().norm() / 100;
-  std::vector<Point> points = rows(mesh.vertices);
-  if (const auto tight = convex_hull(points)) points = rows(tight->vertices);
-  // Inside the hull, unlike the middle of the box: all of the hull moves outward.
-  Point centre = Point::Zero();
-  for (const Point& p : points) centre += p / static_cast<double>(points.size());
-  // Padding gives flat and thin inputs a thickness.
-  for (const double padding : {0.0, pad / 10 + 2 * clearance, pad + 2 * clearance, 5 * pad + 2 * clearance}) {
-    const auto cage = padded_hull(points, centre, 1.001, padding);
-    if (cage && clear(obstacle, *cage, clearance)) return *cage;
-  }
-  // Always clear: a padded box.
-  std::vector<Point> corners;
-  for (int i = 0; i < 8; ++i) corners.push_back(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
-  return *padded_hull(corners, box.center(), 1.01, pad + 2 * clearance);
 }
 
 }  // namespace encage::makers

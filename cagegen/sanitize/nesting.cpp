@@ -140,4 +140,16 @@ std::vector<std::vector<std::int32_t>> containers(const TriangleMesh& mesh, cons
   return result;
 }
 
+double part_volume(const TriangleMesh& mesh, const std::vector<std::int32_t>& part) {
+  const Eigen::Vector3d reference = mesh.corner(part[0], 0);
+  double sum = 0;
+  for (const std::int32_t t : part) {
+    const Eigen::Vector3d a = mesh.corner(t, 0) - reference;
+    const Eigen::Vector3d b = mesh.corner(t, 1) - reference;
+    const Eigen::Vector3d c = mesh.corner(t, 2) - reference;
+    sum += a.dot(b.cross(c));
+  }
+  return sum / 6;
+}
+
 }  // namespace encage::io

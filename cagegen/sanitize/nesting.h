@@ -14,4 +14,7 @@ namespace encage::io {
 std::vector<std::vector<std::int32_t>> containers(const TriangleMesh& mesh,
                                                   const std::vector<std::vector<std::int32_t>>& parts);
 
+/// Signed volume of one part, in cubic units.
+double part_volume(const TriangleMesh& mesh, const std::vector<std::int32_t>& part);
+
 }  // namespace encage::io

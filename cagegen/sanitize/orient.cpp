@@ -65,41 +65,6 @@ class Bodies {
   std::vector<std::pair<std::int32_t, int>> net_;  ///< of the edge at hand: component, sum of directions
 };
 
-std::vector<std::vector<std::int32_t>> closed_parts(const TriangleMesh& mesh, const EdgeTable& edges,
-                                                    const Components& components) {
-  Bodies bodies(components.count);
-  edges.for_each_edge([&](std::span<const Side> sides) {
-    // The usual edge costs nothing: both sides are in one component.
-    if (sides.size() == 2 && tail(mesh.triangles, sides[0]) == head(mesh.triangles, sides[1])) return;
-    bodies.add_edge(mesh.triangles, sides, components.label);
-  });
-  std::vector<std::int32_t> number(static_cast<std::size_t>(components.count), -1);
-  std::vector<std::vector<std::int32_t>> parts;
-  for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
-    const std::int32_t label = components.label[t];
-    if (label < 0 || bodies.is_open(label)) continue;
-    std::int32_t& n = number[bodies.root(label)];
-    if (n < 0) {
-      n = static_cast<std::int32_t>(parts.size());
-      parts.emplace_back();
-    }
-    parts[n].push_back(static_cast<std::int32_t>(t));
-  }
-  return parts;
-}
-
-double six_volumes(const TriangleMesh& mesh, const std::vector<std::int32_t>& part) {
-  const Eigen::Vector3d reference = mesh.corner(part[0], 0);
-  double sum = 0;
-  for (const std::int32_t t : part) {
-    const Eigen::Vector3d a = mesh.corner(t, 0) - reference;
-    const Eigen::Vector3d b = mesh.corner(t, 1) - reference;
-    const Eigen::Vector3d c = mesh.corner(t, 2) - reference;
-    sum += a.dot(b.cross(c));
-  }
-  return sum;
-}
-
 }  // namespace
 
 Components make_consistent(Triangles& triangles, const EdgeTable& edges, std::vector<char>& turned) {
@@ -139,10 +104,32 @@ Components make_consistent(Triangles& triangles, const EdgeTable& edges, std::ve
   return result;
 }
 
-void turn_outward(TriangleMesh& mesh, const EdgeTable& edges, const Components& components, std::vector<char>& turned) {
-  const std::vector<std::vector<std::int32_t>> parts = closed_parts(mesh, edges, components);
+std::vector<std::vector<std::int32_t>> closed_parts(const TriangleMesh& mesh, const EdgeTable& edges,
+                                                    const Components& components) {
+  Bodies bodies(components.count);
+  edges.for_each_edge([&](std::span<const Side> sides) {
+    // The usual edge costs nothing: both sides are in one component.
+    if (sides.size() == 2 && tail(mesh.triangles, sides[0]) == head(mesh.triangles, sides[1])) return;
+    bodies.add_edge(mesh.triangles, sides, components.label);
+  });
+  std::vector<std::int32_t> number(static_cast<std::size_t>(components.count), -1);
+  std::vector<std::vector<std::int32_t>> parts;
+  for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+    const std::int32_t label = components.label[t];
+    if (label < 0 || bodies.is_open(label)) continue;
+    std::int32_t& n = number[bodies.root(label)];
+    if (n < 0) {
+      n = static_cast<std::int32_t>(parts.size());
+      parts.emplace_back();
+    }
+    parts[n].push_back(static_cast<std::int32_t>(t));
+  }
+  return parts;
+}
+
+void turn_outward(TriangleMesh& mesh, const std::vector<std::vector<std::int32_t>>& parts, std::vector<char>& turned) {
   std::vector<int> read(parts.size());  // the sign of the volume as read
-  for (std::size_t p = 0; p < parts.size(); ++p) read[p] = six_volumes(mesh, parts[p]) < 0 ? -1 : 1;
+  for (std::size_t p = 0; p < parts.size(); ++p) read[p] = part_volume(mesh, parts[p]) < 0 ? -1 : 1;
   if (std::count(read.begin(), read.end(), -1) == 0) return;
   const std::vector<std::vector<std::int32_t>> around = containers(mesh, parts);
 

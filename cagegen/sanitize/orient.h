@@ -20,9 +20,13 @@ struct Components {
 /// already and those that cannot (Moebius strips). Toggles `turned` of every triangle that it turns.
 Components make_consistent(Triangles& triangles, const EdgeTable& edges, std::vector<char>& turned);
 
-/// Turns closed components so that no point has a negative winding number: a component inside no other one encloses its
-/// volume from outside. Components inside keep their orientation relative to the one around them, so that cavities stay
+/// The closed surfaces that the mesh consists of, as lists of triangles; open ones are left out.
+std::vector<std::vector<std::int32_t>> closed_parts(const TriangleMesh& mesh, const EdgeTable& edges,
+                                                    const Components& components);
+
+/// Turns closed parts so that no point has a negative winding number: a part inside no other one encloses its
+/// volume from outside. Parts inside keep their orientation relative to the one around them, so that cavities stay
 /// cavities even if the whole input is inside out. Toggles `turned`.
-void turn_outward(TriangleMesh& mesh, const EdgeTable& edges, const Components& components, std::vector<char>& turned);
+void turn_outward(TriangleMesh& mesh, const std::vector<std::vector<std::int32_t>>& parts, std::vector<char>& turned);
 
 }  // namespace encage::io

@@ -3,6 +3,7 @@
 #include "cagegen/sanitize/degenerate.h"
 #include "cagegen/sanitize/edge_table.h"
 #include "cagegen/sanitize/orient.h"
+#include "cagegen/sanitize/solid_volume.h"
 #include "cagegen/sanitize/weld.h"
 #include "src/files/hash.h"
 #include "src/limits.h"
@@ -233,7 +234,8 @@ EnclosingSurface close(TriangleMesh mesh, double diagonal) {
     edges = EdgeTable(triangles, vertex_count);
     components = io::make_consistent(triangles, edges, turned);
   }
-  io::turn_outward(surface.mesh, edges, components, turned);
+  const std::vector<std::vector<std::int32_t>> parts = io::closed_parts(surface.mesh, edges, components);
+  io::turn_outward(surface.mesh, parts, turned);
   if (closable) {
     surface.solid = found.boundary ? Solid::capped : Solid::closed;
     surface.volume = signed_volume(surface.mesh);
@@ -244,6 +246,8 @@ EnclosingSurface close(TriangleMesh mesh, double diagonal) {
     surface.cap_count = surface.loops = 0;
     surface.solid = Solid::surface_only;
     surface.volume = 0;
+  } else {
+    surface.volume = io::solid_volume(surface.mesh, parts);
   }
   surface.turned_components = count_turned(components, turned);
   return surface;

@@ -82,7 +82,7 @@ struct SourceMesh {
   /// capped only if the caps enclose a volume. Flat sheets, and surfaces with an edge of several triangles that do not
   /// cancel, are surface_only and get no caps.
   Solid solid = Solid::closed;
-  double volume = 0;    ///< of the solid, > 0; 0 for surface_only
+  double volume = 0;    ///< of the solid, > 0, parts that overlap counted once; 0 for surface_only
   double diagonal = 0;  ///< of the bounds, > 0
   Hash hash;            ///< of the vertices and triangles as passed to sanitize()
   SanitizeReport report;
@@ -200,8 +200,8 @@ struct BakeReport {
   std::string failure;  ///< with keep_partial: the level that failed and why; else empty
 };
 
-/// Nested, certified cages around `source`. Levels with as many faces as the one before are skipped with a log message;
-/// a source too small for every level gets its hull. Throws Error or Cancelled.
+/// Nested, certified cages around `source`. A closed surface gets no level with more faces than it has; levels with as
+/// many faces as the one before are skipped with a log message. Throws Error or Cancelled.
 CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const BakeContext& context,
                    BakeReport* report = nullptr);
 CageHierarchy bake(const TriangleMesh& input, const BakeOptions& options, const BakeContext& context = {},

@@ -2,6 +2,7 @@
 #include "cagegen/collapse/starts.h"
 
 #include "cagegen/certify/connectivity.h"
+#include "cagegen/collapse/convex_starts.h"
 #include "tests/cagegen/geometry/shapes.h"
 
 #include <encage/bake.h>
@@ -97,7 +98,7 @@ TEST(WrapStart, TheSameInEveryThread) {
   }
 }
 
-TEST(HullStart, EnclosesAnything) {
+TEST(ConvexStarts, EncloseAnything) {
   const auto triangle = [](const Point& a, const Point& b, const Point& c) {
     return shapes::with_triangle(shapes::mesh({}, {}), a, b, c);
   };
@@ -134,6 +135,13 @@ TEST(HullStart, EnclosesAnything) {
       const TriangleMesh again = hull_start(obstacle, mesh, clearance * diagonal);
       EXPECT_EQ(hull.vertices, again.vertices);
       EXPECT_EQ(hull.triangles, again.triangles);
+      const TriangleMesh box = box_start(obstacle, mesh, clearance * diagonal);
+      EXPECT_EQ(box.triangles.rows(), 12);
+      expect_cage(mesh, Solid::surface_only, box, clearance * diagonal);
+      EXPECT_EQ(box.vertices, box_start(obstacle, mesh, clearance * diagonal).vertices);
+      const TriangleMesh tetrahedron = tetrahedron_start(obstacle, mesh, clearance * diagonal);
+      EXPECT_EQ(tetrahedron.triangles.rows(), 4);
+      expect_cage(mesh, Solid::surface_only, tetrahedron, clearance * diagonal);
     }
   }
   EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[0]), meshes[0], 1e-5)), 1.01 * signed_volume(meshes[0]));
