@@ -408,7 +408,7 @@ TEST(BakeFlow, TheSecondMethodIsGivenUpWhenTimeIsUp) {
   const CageHierarchy cages = bake(source, options, {});
   EXPECT_TRUE(cages.truncated);
   expect_certified(cages, source);
-  EXPECT_EQ(cages.levels[0].certificate.method, Method::collapse);
+  EXPECT_NE(cages.levels[0].certificate.method, Method::flow);
 }
 
 TEST(BakeFlow, OptionsAreRecordedWhereTheyMatter) {
