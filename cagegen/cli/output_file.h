@@ -13,11 +13,11 @@ class Option;
 
 namespace encage::tool {
 
-// Where programs write their results. "-" is standard output, whose other names are known too (/dev/stdout).
+// Programs write their results to these. "-" is standard output, and so are its other names (/dev/stdout).
 
 bool is_standard_output(const std::filesystem::path& file);
 
-/// Whether what has that name need not have the extension of a format: standard output, a device, a pipe.
+/// Returns true if the name need not end in the extension of a format: standard output, a device, a pipe.
 bool has_no_format(const std::filesystem::path& file);
 
 /// The file to write: "-" becomes the name that the system has for standard output.

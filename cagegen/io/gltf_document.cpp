@@ -25,14 +25,14 @@ constexpr const char* meshopt_names[] = {"KHR_meshopt_compression", "EXT_meshopt
 /// Extensions that move no vertex of the default pose and hide none, and those that GltfDocument and read_gltf() obey.
 /// Names that end in '_' stand for all that begin so.
 constexpr std::string_view known_extensions[] = {
-    // What the reader obeys.
+    // The reader obeys these.
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
-    // Looks.
+    // These change the looks.
     "ADOBE_materials_",
     "EXT_lights_",
     "EXT_materials_",
@@ -47,10 +47,10 @@ constexpr std::string_view known_extensions[] = {
     "MSFT_texture_",
     "NV_materials_mdl",
     "VRMC_materials_",
-    // What moves later than in the default pose.
+    // These move things later than in the default pose.
     "KHR_animation_pointer",
     "KHR_interactivity",
-    // What says more about the same triangles.
+    // These say more about the same triangles.
     "CESIUM_primitive_outline",
     "EXT_instance_features",
     "EXT_mesh_features",

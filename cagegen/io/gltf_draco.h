@@ -16,15 +16,15 @@ inline constexpr const char* no_draco =
     "decompress "
     "the file, for example with gltf-pipeline";
 
-/// Whether this build has the library.
+/// Returns true if this build has the library.
 bool has_draco() noexcept;
 
-/// What is wrong with compressed data, without file and element.
+/// Thrown for compressed data that are wrong; the message names neither file nor element.
 struct DracoError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What Draco makes of the compressed bytes of a primitive.
+/// A primitive as Draco decodes it from its compressed bytes.
 class DracoMesh {
  public:
   /// Throws DracoError if the bytes are damaged or the library is missing.

@@ -20,7 +20,7 @@ struct Soup {
   std::vector<double> coordinates;  ///< x, y, z of all vertices
   std::vector<std::int64_t> corners;
   std::vector<std::int64_t> first{0};
-  /// What the reader skipped or put up with, for the user: few, short, without the file's name and a full stop.
+  /// They tell the user what the reader skipped or put up with: few, short, without the file's name and a full stop.
   std::vector<std::string> notes;
 
   std::int64_t vertex_count() const { return static_cast<std::int64_t>(coordinates.size() / 3); }

@@ -21,7 +21,7 @@ namespace {
 
 using Components = GltfDocument::Components;
 
-/// Of a primitive, with the numbers that files use.
+/// Kinds of primitives, with the numbers that files use.
 enum class Mode { points, lines, line_loop, line_strip, triangles, triangle_strip, triangle_fan };
 
 /// How far joints may move vertices, in diagonals of the mesh, that still stand where they were modelled: inverse bind
