@@ -88,7 +88,7 @@ CommandOption CommandOptions::threads(int& threads, const std::string& help) {
   return add("--threads", threads, help).between(0, 1024).type("N");
 }
 CommandOption CommandOptions::json(std::filesystem::path& file) {
-  return add("--json", file, "Write everything as JSON").type("FILE");
+  return CommandOption(tool::add_json(app_, file, "Write everything as JSON; without FILE instead of the text"));
 }
 
 int run_command(const Command& command, int argc, char** argv) {

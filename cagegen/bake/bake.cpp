@@ -40,7 +40,7 @@ Chain compete(LevelMaker& maker, const std::vector<Recipe>& recipes, const BakeC
     chains.push_back(make_chain(maker, recipe, {chains.size(), recipes.size(), any_levels}));
     any_levels = any_levels || !chains.back().levels.empty();
     const std::string& failure = chains.back().failure;
-    if (!failure.empty() && recipes.size() > 1 && context.log) context.log(recipe.name + ": " + failure);
+    if (!failure.empty() && recipes.size() > 1 && context.trace) context.trace(recipe.name + ": " + failure);
   }
   return best_chain(std::move(chains));
 }

@@ -41,7 +41,7 @@ std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTar
   const std::string stage = prefix + std::to_string(target.faces) + " faces";
   const auto pass_on = [&] {
     journal_.pass_on([&](std::string_view message) {
-      if (context_.log) context_.log(prefix + std::string(message));
+      if (context_.trace) context_.trace(prefix + std::string(message));
     });
   };
   const bool may_give_up = progress.may_give_up && target.method == Method::flow;

@@ -10,16 +10,24 @@
 
 namespace encage::tool {
 
+namespace {
+
+constexpr const char* cannot_print = "standard output: cannot write (is the device full, or closed?)";
+
+}  // namespace
+
 int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
   const auto complain = [&app](const auto&... what) { ((std::cerr << app.get_name() << ": ") << ... << what) << '\n'; };
   try {
     app.parse(argc, argv);
     const int status = run();
-    if (!std::cout.flush()) throw Error("standard output: cannot write");
+    if (!std::cout.flush()) throw Error(cannot_print);
     return status;
   } catch (const CLI::ParseError& error) {
     // exit() prints the help that was asked for, or the mistake.
-    return app.exit(error) == 0 ? success : bad_input;
+    if (app.exit(error) != 0) return bad_input;
+    if (std::cout.flush()) return success;
+    complain(cannot_print);
   } catch (const Cancelled&) {
     complain("cancelled, nothing was written");
     return cancelled;

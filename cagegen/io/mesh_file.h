@@ -28,6 +28,9 @@ struct Soup {
   void end_polygon() { first.push_back(static_cast<std::int64_t>(corners.size())); }
 };
 
+/// The extension in lower case without its dot.
+std::string format_of(const std::filesystem::path& file);
+
 /// Throws Error: "file: reason" and "file: element number: reason" (numbers count from 0).
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason);
 [[noreturn]] void fail(const std::filesystem::path& file, const char* element, std::int64_t number,

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/io/mesh_file.h"
+#include "cagegen/io/text_scanner.h"
+#include "src/asset/view.h"
 #include "src/files/read_file.h"
 
 #include <encage/bake.h>
@@ -13,6 +15,22 @@
 
 namespace encage {
 namespace io {
+
+namespace {
+
+std::string lower_case(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string format_of(const std::filesystem::path& file) {
+  const std::string extension = file.extension().string();
+  return lower_case(extension.empty() ? extension : extension.substr(1));
+}
 
 void fail(const std::filesystem::path& file, const std::string& reason) { throw Error(file.string() + ": " + reason); }
 
@@ -59,23 +77,50 @@ PolygonMesh to_mesh(const Soup& soup) {
   return mesh;
 }
 
+/// An asset of ours stands for its source. Its cages are meshes of the file, but no part of the body.
+Soup read_asset_source(const std::filesystem::path& file, std::string_view bytes) {
+  const CageHierarchy asset = decode_asset(bytes, file.string(), Verify::all);
+  const Eigen::Index count = asset.fine.triangles.rows() - asset.cap_count;
+  if (count <= 0) {
+    fail(file,
+         "an asset of Encage that holds cages without their source (--no-source); bake the mesh that it was "
+         "baked from, or write a cage as a mesh by encage export");
+  }
+  Soup soup;
+  for (const auto& vertex : asset.fine.vertices.rowwise()) {
+    for (int k = 0; k < 3; ++k) soup.coordinates.push_back(asset.origin[k] + vertex[k]);
+  }
+  for (const auto& triangle : asset.fine.triangles.topRows(count).rowwise()) {
+    soup.corners.insert(soup.corners.end(), triangle.begin(), triangle.end());
+    soup.end_polygon();
+  }
+  soup.notes.push_back("an asset of Encage: its source is read, as stored in float32; its " +
+                       counted(static_cast<std::int64_t>(asset.levels.size()), "cage is", "cages are") + " left out");
+  return soup;
+}
+
+/// glTF, as text or binary.
+Soup read_gltf_or_asset(const std::filesystem::path& file, std::string_view bytes) {
+  if (begins_like_asset(bytes)) return read_asset_source(file, bytes);
+  if (!bytes.starts_with("glTF") && bytes.find('"' + std::string(asset_extension) + '"') != bytes.npos) {
+    fail(file,
+         "an asset of Encage that another program wrote as text, in which cages look like further meshes; bake "
+         "the .glb that Encage wrote, or the mesh that it was baked from");
+  }
+  return read_gltf(file, bytes);
+}
+
 constexpr struct {
   const char* name;
   Soup (*read)(const std::filesystem::path&, std::string_view);
-} formats[] = {{"obj", read_obj}, {"ply", read_ply},   {"stl", read_stl},
-               {"off", read_off}, {"gltf", read_gltf}, {"glb", read_gltf}};
+} formats[] = {
+    {"obj", read_obj},          {"ply", read_ply}, {"stl", read_stl}, {"off", read_off}, {"gltf", read_gltf_or_asset},
+    {"glb", read_gltf_or_asset}};
 
 std::string known_formats() {
   std::string list;
   for (const auto& format : formats) list += std::string(list.empty() ? "" : " ") + format.name;
   return list;
-}
-
-std::string lower_case(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return text;
 }
 
 /// Of the format with this name.
@@ -105,8 +150,7 @@ PolygonMesh decode_polygon_mesh(std::string_view bytes, const std::string& forma
 }
 
 PolygonMesh read_polygon_mesh(const std::filesystem::path& file, ReadNotes* notes) {
-  const std::string extension = file.extension().string();
-  const std::string format = io::lower_case(extension.substr(std::min<std::size_t>(1, extension.size())));
+  const std::string format = io::format_of(file);
   io::find_reader(file, format);  // before anything is read
   try {
     return decode_polygon_mesh(read_file(file), format, file, notes);

@@ -99,21 +99,25 @@ std::string to_stl(const std::filesystem::path& file, const TriangleMesh& mesh) 
 
 }  // namespace
 
-void write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
-  const std::string extension = file.extension().string();
+void write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const std::string& format) {
   std::string bytes;
-  if (extension == ".obj") {
+  if (format == "obj") {
     bytes = to_obj(mesh);
-  } else if (extension == ".off") {
+  } else if (format == "off") {
     bytes = to_off(mesh);
-  } else if (extension == ".ply") {
+  } else if (format == "ply") {
     bytes = to_ply(mesh);
-  } else if (extension == ".stl") {
+  } else if (format == "stl") {
     bytes = to_stl(file, mesh);
   } else {
-    io::fail(file, "unknown extension '" + extension + "' (known: .obj .ply .stl .off)");
+    io::fail(file, (format.empty() ? "no format to write a mesh in" : "meshes are not written as '" + format + "'") +
+                       std::string(" (known: obj ply stl off)"));
   }
   write_atomically(file, bytes);
+}
+
+void write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
+  write_mesh(file, mesh, io::format_of(file));
 }
 
 }  // namespace encage

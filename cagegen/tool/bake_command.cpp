@@ -7,6 +7,7 @@
 #include "cagegen/tool/bake_options.h"
 #include "cagegen/tool/command.h"
 #include "cagegen/tool/flow_options.h"
+#include "cagegen/tool/input.h"
 
 #include <encage/asset.h>
 #include <encage/bake.h>
@@ -34,16 +35,20 @@ constexpr const char* bake_examples = R"(Examples:
   encage bake model.obj --method flow --decimator adaptive --faces 2000,500 --keep-partial
       cages by flow and re-inflation; if the second fails, the first is written, with exit status 1
   encage bake model.obj --coarse fine.obj,coarse.obj
-      turns two meshes of your own into cages, the second around the first)";
+      turns two meshes of your own into cages, the second around the first
+  convert model.step - | encage bake - --format stl -o - | encage info - --json
+      meshes and assets through pipes)";
 
 struct BakeArguments {
   std::filesystem::path input;
   std::filesystem::path output;
   std::filesystem::path json;
+  std::string format;
   double ratio = 0;
   int levels = 0;
   double time_limit = 0;
   bool no_source = false;
+  bool verbose = false;
   BakeOptions options;
   FlowOptions flow;
 };
@@ -77,39 +82,37 @@ void print_level(std::size_t number, const CageLevel& level, double seconds) {
 }
 
 void print_source(const std::filesystem::path& input, const BakedMesh& baked) {
-  std::cout << input.string() << ": " << baked.input_faces << " triangles, " << name(baked.source.solid);
-  const std::string changes = describe(baked.source.report);
-  if (!changes.empty()) std::cout << " (" << changes << ")";
-  std::cout << '\n';
+  std::cout << Input(input).name() << ": " << baked.input_faces << " triangles, " << describe(baked.source) << '\n';
 }
 
 /// Where the asset goes. Throws Error if a result could not be written, before any long work.
 std::filesystem::path checked_output(const BakeArguments& arguments) {
   const std::filesystem::path output = arguments.output.empty() ? default_asset(arguments.input) : arguments.output;
-  if (output.extension() != ".glb") throw Error(output.string() + ": cages are written as .glb only");
+  if (output.extension() != ".glb" && !has_no_format(output)) {
+    throw Error(output.string() + ": cages are written as .glb only");
+  }
   std::vector<std::filesystem::path> inputs = arguments.flow.coarse_files();
   inputs.push_back(arguments.input);
   for (const std::filesystem::path& input : inputs) {
     check_output(output, input);
     if (!arguments.json.empty()) check_output(arguments.json, input);
   }
-  if (arguments.json.empty()) return output;
-  if (arguments.json.lexically_normal() == output.lexically_normal()) {
-    throw Error(output.string() + ": asset and JSON cannot be the same file");
-  }
+  check_different(output, arguments.json);
   return output;
 }
 
 BakedMesh read_and_bake(BakeArguments& arguments) {
   Progress progress = Progress::on_stderr();
   progress.update(0, "reading");
-  ReadNotes notes;
-  const TriangleMesh mesh = read_mesh(arguments.input, &notes);
-  for (const std::string& note : notes) progress.note(arguments.input.string() + ": " + note);
-  arguments.flow.read_coarse(arguments.options);
+  const NoteSink note = [&](const std::string& text) { progress.note(text); };
+  Input input(arguments.input, arguments.format);
+  const TriangleMesh mesh = input.mesh(note);
+  arguments.flow.read_coarse(arguments.options, note);
   throw_if_interrupted();
   progress.update(0, "sanitizing");
-  BakedMesh baked = bake_mesh(arguments.input, mesh, arguments.options, progress.context(&interrupted));
+  BakeContext context = progress.context(&interrupted);
+  if (arguments.verbose) context.trace = context.log;
+  BakedMesh baked = bake_mesh(input.name(), mesh, arguments.options, context);
   throw_if_interrupted();
   return baked;
 }
@@ -120,7 +123,7 @@ void print_bake(const BakeArguments& arguments, const std::filesystem::path& out
     print_level(i + 1, baked.hierarchy.levels[i], baked.report.levels.at(i).seconds);
   }
   if (baked.hierarchy.truncated) std::cout << "the time limit cut the work short\n";
-  std::cout << "wrote " << output.string() << '\n';
+  std::cout << "wrote " << output_name(output) << '\n';
 }
 
 void write_figures(const BakeArguments& arguments, const std::filesystem::path& output, const BakedMesh& baked,
@@ -140,14 +143,15 @@ int run_bake(BakeArguments& arguments) {
   const auto began = std::chrono::steady_clock::now();
   const InterruptScope scope;
   const std::filesystem::path output = checked_output(arguments);
+  print_beside(output);
   const BakedMesh baked = read_and_bake(arguments);
-  write_certified_asset(output, baked.hierarchy);
+  write_certified_asset(output_path(output), baked.hierarchy);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   print_bake(arguments, output, baked);
   if (!arguments.json.empty()) write_figures(arguments, output, baked, seconds);
   if (baked.report.failure.empty()) return success;
-  std::cerr << "encage: " << arguments.input.string() << ": " << baked.report.failure << "; " << output.string()
-            << " holds the levels before\n";
+  std::cerr << "encage: " << Input(arguments.input).name() << ": " << baked.report.failure << "; "
+            << output_name(output) << " holds the levels before\n";
   return answer_is_no;
 }
 
@@ -157,9 +161,13 @@ void add_bake(CLI::App& app, int& status) {
   CLI::App* bake = app.add_subcommand("bake", "Bake certified nested cages around a mesh");
   bake->footer(bake_examples);
   const auto a = std::make_shared<BakeArguments>();
-  bake->add_option("input", a->input, "Mesh: .obj, .ply, .stl, .off, .gltf or .glb")->required()->type_name("IN");
-  bake->add_option("-o,--output", a->output, "Asset to write; by default IN's name with .glb in the current folder")
+  bake->add_option("input", a->input, "Mesh: .obj, .ply, .stl, .off, .gltf or .glb; - for standard input")
+      ->required()
+      ->type_name("IN");
+  bake->add_option("-o,--output", a->output,
+                   "Asset to write; by default IN's name with .glb in the current folder; - for standard output")
       ->type_name("OUT.glb");
+  bake->add_option("--format", a->format, "Format of IN, instead of its extension")->type_name("FORMAT");
   CLI::Option* faces = add_faces(*bake, a->options);
   CLI::Option* ratio = bake->add_option("--ratio", a->ratio, "Faces of a level over faces of the one before")
                            ->check(between(0, 1, "a number between 0 and 1"))
@@ -184,7 +192,8 @@ void add_bake(CLI::App& app, int& status) {
   bake->add_flag("--keep-partial", a->options.keep_partial,
                  "If a level cannot be made, write those before it; the exit status is 1");
   bake->add_flag("--no-source", a->no_source, "Leave the source mesh (level 0) out of the asset");
-  bake->add_option("--json", a->json, "Write the figures as JSON")->type_name("FILE");
+  bake->add_flag("--verbose", a->verbose, "Note what the makers of the cages try, and what fails");
+  add_json(*bake, a->json);
   bake->callback([=, &status] {
     a->flow.check(a->options);
     if (*ratio) a->options.ratio = a->ratio;

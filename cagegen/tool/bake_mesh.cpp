@@ -5,8 +5,9 @@
 
 #include <encage/error.h>
 
-#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <string>
 
 namespace encage::tool {
 
@@ -57,24 +58,17 @@ Json to_json(const BakedMesh& baked) {
   return json;
 }
 
-std::string describe(const SanitizeReport& report) {
-  struct Item {
-    std::int64_t count;
-    const char* one;
-    const char* many;
-  };
-  const std::array<Item, 6> items = {
-      {{report.welded_vertices, "vertex welded", "vertices welded"},
-       {report.isolated_vertices, "isolated vertex dropped", "isolated vertices dropped"},
-       {report.duplicate_triangles, "duplicate face dropped", "duplicate faces dropped"},
-       {report.degenerate_triangles, "degenerate face", "degenerate faces"},
-       {report.flipped_components, "component turned", "components turned"},
-       {report.capped_loops, "boundary loop capped", "boundary loops capped"}}};
-  std::string text;
-  for (const Item& item : items) {
-    if (item.count == 0) continue;
-    if (!text.empty()) text += ", ";
-    text += std::to_string(item.count) + " " + (item.count == 1 ? item.one : item.many);
+std::string describe(const SourceMesh& source) {
+  const SanitizeReport& report = source.report;
+  const std::string loops = std::to_string(report.capped_loops);
+  std::string text = source.solid == Solid::closed         ? "closed"
+                     : source.solid == Solid::surface_only ? "encloses no volume: the cages enclose its surface"
+                     : report.capped_loops == 1            ? "open in 1 place, which is capped"
+                                                           : "open in " + loops + " places, which are capped";
+  if (report.flipped_components > 0) text += "; parts that faced inward are turned";
+  // Equal vertices that are welded, and vertices that nothing uses, change nothing.
+  if (const std::int64_t idle = report.degenerate_triangles + report.duplicate_triangles; idle > 0) {
+    text += "; " + std::to_string(idle) + (idle == 1 ? " face" : " faces") + " without area or twice there";
   }
   return text;
 }

@@ -28,7 +28,8 @@ BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh,
 /// and those before it were kept, `failure`.
 nlohmann::ordered_json to_json(const BakedMesh& baked);
 
-/// What sanitizing did, e.g. "12 vertices welded, 1 boundary loop capped"; empty if nothing.
-std::string describe(const SanitizeReport& report);
+/// What the source is and what sanitizing did, as far as it matters to the user: "closed", "open in 3 places, which are
+/// capped; 2 faces without area or twice there". The counts of everything are in the JSON.
+std::string describe(const SourceMesh& source);
 
 }  // namespace encage::tool

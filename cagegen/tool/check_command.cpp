@@ -2,6 +2,7 @@
 #include "cagegen/cli/output_file.h"
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/command.h"
+#include "cagegen/tool/input.h"
 #include "src/asset/view.h"
 
 #include <encage/asset.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -35,20 +35,12 @@ the asset is damaged; 2 if a file cannot be read or FILE.glb is no binary glTF f
 struct CheckArguments {
   std::filesystem::path asset;
   std::optional<std::filesystem::path> source;
-  std::optional<std::filesystem::path> json;
+  std::filesystem::path json;
+  std::string format;
 };
 
-/// Throws Error if the file cannot be read or is of another kind: then there is nothing to check.
-void require_glb(const std::filesystem::path& file) {
-  char magic[4] = {};
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) throw Error(file.string() + ": cannot be opened");
-  stream.read(magic, sizeof magic);
-  if (std::string(magic, sizeof magic) != "glTF") throw Error(file.string() + ": not a binary glTF file");
-}
-
-SourceMesh read_source(const std::filesystem::path& file) {
-  const TriangleMesh mesh = read_mesh(file);
+SourceMesh read_source(const std::filesystem::path& file, const std::string& format) {
+  const TriangleMesh mesh = Input(file, format).mesh(print_note);
   try {
     return sanitize(mesh);
   } catch (const Error& error) {
@@ -87,13 +79,13 @@ CheckReport::Check check_query_arrays(const AssetView& view, const CageHierarchy
           meshes == 0 ? "none are stored" : "of " + std::to_string(meshes) + " meshes: trees, owners, parts"};
 }
 
-CheckReport check(const CheckArguments& a) {
+CheckReport check(const CheckArguments& a, Input& asset) {
   std::optional<SourceMesh> source;
-  if (a.source) source = read_source(*a.source);
+  if (a.source) source = read_source(*a.source, a.format);
   std::optional<AssetView> view;
   CageHierarchy hierarchy;
   try {
-    view.emplace(a.asset, Verify::all);
+    view.emplace(asset.view(Verify::all));
     hierarchy = copy_hierarchy(*view);
   } catch (const Error& error) {
     return {{{"file", CheckVerdict::refuted, error.what()}}};
@@ -127,16 +119,22 @@ void add_check(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("check", "Prove the cages of an asset again");
   command->footer(check_examples);
   const auto a = std::make_shared<CheckArguments>();
-  command->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
-  command->add_option("--source", a->source, "The mesh that it was baked from")->type_name("FILE");
-  command->add_option("--json", a->json, "Write the verdicts to this file too")->type_name("FILE");
+  command->add_option("asset", a->asset, "Asset written by encage bake; - for standard input")
+      ->required()
+      ->type_name("FILE.glb");
+  command->add_option("--source", a->source, "The mesh that it was baked from; - for standard input")
+      ->type_name("FILE");
+  command->add_option("--format", a->format, "Format of the source, instead of its extension")->type_name("FORMAT");
+  add_json(*command, a->json, "Write the verdicts as JSON; without FILE instead of the text");
   command->callback([a, &status] {
-    require_glb(a->asset);
-    if (a->json) check_output(*a->json, a->asset);
-    if (a->json && a->source) check_output(*a->json, *a->source);
-    const CheckReport report = check(*a);
+    if (a->asset == "-" && a->source && *a->source == "-") throw Error("-: asset and source cannot be the same file");
+    Input asset(a->asset);
+    asset.require_glb();
+    if (!a->json.empty()) check_output(a->json, a->asset);
+    if (!a->json.empty() && a->source) check_output(a->json, *a->source);
+    const CheckReport report = check(*a, asset);
     print(report);
-    if (a->json) write_json(*a->json, to_json(*a, report));
+    if (!a->json.empty()) write_json(a->json, to_json(*a, report));
     status = report.holds() ? success : answer_is_no;
   });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/cli/output_file.h"
 #include "cagegen/tool/command.h"
+#include "cagegen/tool/input.h"
 
 #include <encage/asset.h>
 #include <encage/bake.h>
@@ -18,11 +19,15 @@ constexpr const char* export_examples = R"(Examples:
   encage export model.glb --level 1 -o cage.obj
       the finest cage, in the coordinates of the source file
   encage export model.glb --level 0 -o source.ply
-      the source as stored: float32, caps of open boundaries at the end)";
+      the source as stored: float32, caps of open boundaries at the end
+  encage export model.glb --level 2 -o - --format ply | viewer
+      the second cage to standard output)";
 
 struct ExportArguments {
   std::filesystem::path asset;
   std::filesystem::path output;
+  std::filesystem::path json;
+  std::string format;
   int level = 0;
 };
 
@@ -36,26 +41,49 @@ TriangleMesh level_of(const CageHierarchy& hierarchy, const ExportArguments& arg
   return mesh;
 }
 
+void run(const ExportArguments& a) {
+  for (const std::filesystem::path& output : {a.output, a.json}) {
+    if (!output.empty()) check_output(output, a.asset);
+  }
+  check_different(a.output, a.json);
+  print_beside(a.output);
+  const TriangleMesh mesh = level_of(Input(a.asset).asset(a.level == 0 ? Verify::all : Verify::cages), a);
+  if (a.format.empty() && !has_no_format(a.output)) {
+    write_mesh(a.output, mesh);
+  } else {
+    if (a.format.empty()) throw Error(a.output.string() + ": name the format with --format: obj, ply, stl or off");
+    write_mesh(output_path(a.output), mesh, a.format);
+  }
+  std::cout << "wrote " << output_name(a.output) << ": " << mesh.triangles.rows() << " faces\n";
+  if (a.json.empty()) return;
+  write_json(a.json, {{"asset", a.asset.string()},
+                      {"level", a.level},
+                      {"output", a.output.string()},
+                      {"faces", mesh.triangles.rows()},
+                      {"vertices", mesh.vertices.rows()}});
+}
+
 }  // namespace
 
 void add_export(CLI::App& app, int& /*status*/) {
   CLI::App* command = app.add_subcommand("export", "Write one level of an asset as a mesh file");
   command->footer(export_examples);
   const auto a = std::make_shared<ExportArguments>();
-  command->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
+  command->add_option("asset", a->asset, "Asset written by encage bake; - for standard input")
+      ->required()
+      ->type_name("FILE.glb");
   command->add_option("--level", a->level, "0: the source; 1: the finest cage; and so on")
       ->required()
       ->check(CLI::Range(0, 1024))
       ->type_name("N");
-  command->add_option("-o,--output", a->output, "Mesh to write: .obj, .ply, .stl or .off")
+  command->add_option("-o,--output", a->output, "Mesh to write: .obj, .ply, .stl or .off; - for standard output")
       ->required()
       ->type_name("OUT");
-  command->callback([=] {
-    check_output(a->output, a->asset);
-    const TriangleMesh mesh = level_of(read_asset(a->asset, a->level == 0 ? Verify::all : Verify::cages), *a);
-    write_mesh(a->output, mesh);
-    std::cout << "wrote " << a->output.string() << ": " << mesh.triangles.rows() << " faces\n";
-  });
+  command->add_option("--format", a->format, "Format of OUT, instead of its extension")
+      ->check(CLI::IsMember({"obj", "ply", "stl", "off"}).description(""))
+      ->type_name("obj|ply|stl|off");
+  add_json(*command, a->json);
+  command->callback([=] { run(*a); });
 }
 
 }  // namespace encage::tool

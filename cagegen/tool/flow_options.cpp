@@ -73,9 +73,9 @@ void FlowOptions::check(const BakeOptions& options) const {
   }
 }
 
-void FlowOptions::read_coarse(BakeOptions& options) const {
+void FlowOptions::read_coarse(BakeOptions& options, const NoteSink& note) const {
   for (const std::filesystem::path& file : coarse_) {
-    options.coarse.push_back(read_mesh(file));
+    options.coarse.push_back(Input(file).mesh(note));
     options.coarse_names.push_back(file.string());
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cagegen/tool/input.h"
+
 #include <encage/bake.h>
 
 #include <CLI/CLI.hpp>
@@ -21,7 +23,7 @@ class FlowOptions {
   void check(const BakeOptions& options) const;
   const std::vector<std::filesystem::path>& coarse_files() const { return coarse_; }
   /// Reads the coarse meshes. Throws Error naming the file.
-  void read_coarse(BakeOptions& options) const;
+  void read_coarse(BakeOptions& options, const NoteSink& note) const;
 
  private:
   std::vector<std::filesystem::path> coarse_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/cli/cage_json.h"
+#include "cagegen/cli/output_file.h"
 #include "cagegen/tool/command.h"
+#include "cagegen/tool/input.h"
 
 #include <encage/asset.h>
 
@@ -18,11 +20,13 @@ constexpr const char* info_examples = R"(Examples:
   encage info model.glb
       source, options and certificates, as text
   encage info model.glb --json
-      the same as JSON on standard output)";
+      the same as JSON on standard output
+  encage info model.glb --json model.json
+      both: the text, and JSON in a file)";
 
 struct InfoArguments {
   std::filesystem::path asset;
-  bool json = false;
+  std::filesystem::path json;
 };
 
 std::string text(const char* format, double value) {
@@ -71,17 +75,18 @@ void add_info(CLI::App& app, int& /*status*/) {
   CLI::App* info = app.add_subcommand("info", "Print what an asset holds");
   info->footer(info_examples);
   const auto a = std::make_shared<InfoArguments>();
-  info->add_option("asset", a->asset, "Asset written by encage bake")->required()->type_name("FILE.glb");
-  info->add_flag("--json", a->json, "Print JSON");
+  info->add_option("asset", a->asset, "Asset written by encage bake; - for standard input")
+      ->required()
+      ->type_name("FILE.glb");
+  add_json(*info, a->json);
   info->callback([=] {
-    const CageHierarchy hierarchy = read_asset(a->asset);
-    if (a->json) {
-      nlohmann::ordered_json json = {{"asset", a->asset.string()}};
-      json.update(to_json(hierarchy));
-      std::cout << dump(json);
-    } else {
-      print(hierarchy);
-    }
+    if (!a->json.empty()) check_output(a->json, a->asset);
+    const CageHierarchy hierarchy = Input(a->asset).asset(Verify::cages);
+    print(hierarchy);
+    if (a->json.empty()) return;
+    nlohmann::ordered_json json = {{"asset", a->asset.string()}};
+    json.update(to_json(hierarchy));
+    write_json(a->json, json);
   });
 }
 

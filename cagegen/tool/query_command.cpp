@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/cli/output_file.h"
 #include "cagegen/tool/command.h"
-#include "src/files/atomic_file.h"
 
 #include <encage/asset.h>
 #include <encage/poses.h>
@@ -129,7 +129,7 @@ std::vector<MovingBody> bodies_of(const PoseStep& step, const PoseStep* next, co
 }
 
 QueryResult query(const QueryArguments& a) {
-  const std::vector<PoseStep> poses = read_poses(a.poses);
+  const std::vector<PoseStep> poses = read_poses(a.poses == "-" ? "/dev/stdin" : a.poses);
   const ShapePtr first = load_shape(a.asset_a);
   const ShapePtr others = a.asset_b.empty() ? first : load_shape(a.asset_b);
   std::int32_t first_body = poses.front().bodies.front().body;
@@ -228,8 +228,11 @@ nlohmann::ordered_json to_json(const QueryArguments& a, const QueryResult& resul
 void run(const QueryArguments& a) {
   if (!(a.margin >= 0) || std::isinf(a.margin)) throw Error("--margin: must be a finite distance, 0 or more");
   if (a.every < 1) throw Error("--every: must be 1 or more");
+  for (const std::filesystem::path& input : {a.asset_a, a.asset_b, a.poses}) {
+    if (!a.json.empty()) check_output(a.json, input);
+  }
   const QueryResult result = query(a);
-  if (!a.json.empty()) write_atomically(a.json, to_json(a, result).dump(1) + '\n');
+  if (!a.json.empty()) write_json(a.json, to_json(a, result));
   if (a.per_step) {
     print_steps(result);
   } else {
@@ -246,7 +249,9 @@ void add_query(CLI::App& app, int& /*status*/) {
   const auto a = std::make_shared<QueryArguments>();
   query_app->add_option("A", a->asset_a, "Asset written by encage bake")->required()->type_name("A.glb");
   query_app->add_option("B", a->asset_b, "Asset of all bodies but the one with the lowest number")->type_name("B.glb");
-  query_app->add_option("--poses", a->poses, "Poses of the bodies, step by step")->required()->type_name("FILE.csv");
+  query_app->add_option("--poses", a->poses, "Poses of the bodies, step by step; - for standard input")
+      ->required()
+      ->type_name("FILE.csv");
   query_app->add_flag(
       "--continuous", a->continuous,
       "Each step stands for the motion to the next one: a pair is rejected if it stays apart all the way");
@@ -254,7 +259,7 @@ void add_query(CLI::App& app, int& /*status*/) {
       ->type_name("M");
   query_app->add_option("--every", a->every, "Take every K-th step only")->type_name("K");
   query_app->add_flag("--per-step", a->per_step, "Print CSV with one line per step instead of the means");
-  query_app->add_option("--json", a->json, "Write the counts of every step as JSON")->type_name("FILE");
+  add_json(*query_app, a->json, "Write the counts of every step as JSON; without FILE instead of the text");
   query_app->callback([a] { run(*a); });
 }
 

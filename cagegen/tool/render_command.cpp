@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/cli/is_asset.h"
 #include "cagegen/cli/output_file.h"
 #include "cagegen/render/arguments.h"
 #include "cagegen/render/levels.h"
 #include "cagegen/render/render.h"
 #include "cagegen/tool/command.h"
+#include "cagegen/tool/input.h"
 
 #include <encage/asset.h>
 #include <encage/bake.h>
@@ -40,6 +40,8 @@ Examples:
 struct RenderArguments {
   fs::path input;
   fs::path output;
+  fs::path json;
+  std::string format;
   std::string levels = "all";
   std::string cut;
   std::string size = "1200x900";
@@ -49,9 +51,10 @@ struct RenderArguments {
 };
 
 // Level 0 first, in the coordinates of the source file; a mesh file has nothing else.
-std::vector<TriangleMesh> read_levels(const fs::path& file) {
-  if (!is_asset(file)) return {triangulate(read_polygon_mesh(file))};
-  CageHierarchy hierarchy = read_asset(file, Verify::all);
+std::vector<TriangleMesh> read_levels(const RenderArguments& a) {
+  Input input(a.input, a.format);
+  if (!input.is_asset()) return {input.mesh(print_note)};
+  CageHierarchy hierarchy = input.asset(Verify::all);
   std::vector<TriangleMesh> levels{std::move(hierarchy.fine)};
   for (CageLevel& level : hierarchy.levels) levels.push_back(std::move(level.mesh));
   for (TriangleMesh& mesh : levels) mesh.vertices.rowwise() += hierarchy.origin.transpose();
@@ -93,13 +96,30 @@ render::Options parse_options(const RenderArguments& a, const std::vector<render
   return options;
 }
 
+/// Pictures are written as PNG only, whatever the name may promise.
+void check_picture(const fs::path& output) {
+  const std::string extension = output.extension().string();
+  if (has_no_format(output) || extension == ".png" || extension == ".PNG") return;
+  throw Error(output.string() + ": pictures are written as .png only");
+}
+
 void run(const RenderArguments& a) {
-  check_output(a.output, a.input);
-  const std::vector<TriangleMesh> levels = read_levels(a.input);
+  for (const fs::path& output : {a.output, a.json}) {
+    if (!output.empty()) check_output(output, a.input);
+  }
+  check_picture(a.output);
+  check_different(a.output, a.json);
+  print_beside(a.output);
+  const std::vector<TriangleMesh> levels = read_levels(a);
   const std::vector<render::Item> items = choose_items(a, levels);
   const render::Options options = parse_options(a, items);
-  render::write_png(a.output, render::render(items, options));
-  std::cout << "wrote " << a.output.string() << ": " << options.width << " x " << options.height << " pixels\n";
+  render::write_png(output_path(a.output), render::render(items, options));
+  std::cout << "wrote " << output_name(a.output) << ": " << options.width << " x " << options.height << " pixels\n";
+  if (a.json.empty()) return;
+  write_json(a.json, {{"input", a.input.string()},
+                      {"output", a.output.string()},
+                      {"width", options.width},
+                      {"height", options.height}});
 }
 
 }  // namespace
@@ -108,8 +128,14 @@ void add_render(CLI::App& app, int& /*status*/) {
   CLI::App* command = app.add_subcommand("render", "Draw an asset or a mesh file as a PNG picture");
   command->footer(render_examples);
   const auto a = std::make_shared<RenderArguments>();
-  command->add_option("input", a->input, "Asset (.glb) or mesh file")->required()->type_name("IN");
-  command->add_option("-o,--output", a->output, "Picture to write")->required()->type_name("OUT.png");
+  command->add_option("input", a->input, "Asset (.glb) or mesh file; - for standard input")
+      ->required()
+      ->type_name("IN");
+  command->add_option("-o,--output", a->output, "Picture to write; - for standard output")
+      ->required()
+      ->type_name("OUT.png");
+  command->add_option("--format", a->format, "Format of a mesh, instead of its extension")->type_name("FORMAT");
+  add_json(*command, a->json);
   command->add_option("--levels", a->levels, "all, or one: 0 is the source, 1 the finest cage")
       ->capture_default_str()
       ->type_name("all|N");

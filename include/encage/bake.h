@@ -42,9 +42,12 @@ PolygonMesh decode_polygon_mesh(std::string_view bytes, const std::string& forma
 /// read_polygon_mesh(), triangulated.
 TriangleMesh read_mesh(const std::filesystem::path& file, ReadNotes* notes = nullptr);
 
-/// Writes OBJ, PLY, STL or OFF by the extension, atomically (a temporary in the same folder, then a rename).
-/// Coordinates round-trip in double where the format allows. Throws Error.
+/// Writes OBJ, PLY, STL or OFF by the extension. A regular file is replaced whole or left untouched (a temporary in the
+/// same folder, then a rename), a link stays a link, devices and pipes are written to. Coordinates round-trip in double
+/// where the format allows. Throws Error.
 void write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh);
+/// The same in the format named: "obj", "ply", "stl" or "off".
+void write_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const std::string& format);
 
 /// Fans convex polygons, ear-clips others; n corners give n - 2 triangles, in the order of the polygons. Vertices are
 /// not moved or merged. Throws Error for a polygon with fewer than 3 corners.
@@ -176,7 +179,10 @@ struct BakeOptions {
 struct BakeContext {
   /// fraction in [0,1] of the whole job, and what is being done now.
   std::function<void(double fraction, std::string_view stage)> progress;
+  /// What concerns the caller: levels that were asked for and are not made.
   std::function<void(std::string_view message)> log;
+  /// How the makers get on: what failed, and what they tried instead.
+  std::function<void(std::string_view message)> trace;
   /// Set from any thread or a signal handler; noticed within about a second, or when a running alpha wrap (seconds, on
   /// large inputs) ends.
   std::atomic<bool>* cancel = nullptr;

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "src/asset/aligned_bytes.h"
+#include "src/asset/glb.h"
 #include "src/asset/view.h"
 
 #include <encage/asset.h>
+
+#include <span>
+#include <string>
+#include <string_view>
 
 namespace encage {
 
@@ -27,6 +33,18 @@ CageHierarchy copy_hierarchy(const AssetView& view) {
 
 CageHierarchy read_asset(const std::filesystem::path& file, Verify verify) {
   return copy_hierarchy(AssetView(file, verify));
+}
+
+CageHierarchy decode_asset(std::string_view bytes, const std::string& name, Verify verify) {
+  const AlignedBytes aligned(bytes);
+  return copy_hierarchy(AssetView(aligned.span(), name, verify));
+}
+
+bool begins_like_asset(std::string_view bytes) {
+  if (!bytes.starts_with("glTF") || bytes.size() < glb_start) return false;
+  const std::size_t head = glb_head_size(std::as_bytes(std::span(bytes.substr(0, glb_start))));
+  const std::string_view json = bytes.substr(glb_start, head - glb_start);
+  return json.find('"' + std::string(asset_extension) + '"') != json.npos;
 }
 
 }  // namespace encage

@@ -123,4 +123,11 @@ TriangleMesh copy_mesh(const MeshView& view);
 /// The hierarchy with its meshes, copied out of the view. Throws Error.
 CageHierarchy copy_hierarchy(const AssetView& view);
 
+/// read_asset() from memory; `name` stands for the file in messages.
+CageHierarchy decode_asset(std::string_view bytes, const std::string& name, Verify verify);
+
+/// Whether these bytes, the start of a file up to the end of its JSON or more, are those of an asset, damaged or not,
+/// and not of any other file.
+bool begins_like_asset(std::string_view bytes);
+
 }  // namespace encage

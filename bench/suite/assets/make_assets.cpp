@@ -26,7 +26,8 @@ CageHierarchy read_or_bake(const std::filesystem::path& file, const TriangleMesh
   BakeOptions options;
   options.faces = {500, 100};
   options.method = BakeMethod::collapse;
-  const CageHierarchy hierarchy = bake(mesh, options, {.progress = {}, .log = {}, .cancel = context.cancel});
+  const CageHierarchy hierarchy =
+      bake(mesh, options, {.progress = {}, .log = {}, .trace = {}, .cancel = context.cancel});
   write_asset(file, hierarchy);
   return hierarchy;
 }

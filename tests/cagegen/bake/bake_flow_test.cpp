@@ -62,7 +62,7 @@ struct Log {
   BakeContext context;
 
   Log() {
-    context.log = [this](std::string_view text) { messages.emplace_back(text); };
+    context.log = context.trace = [this](std::string_view text) { messages.emplace_back(text); };
   }
   bool has(const std::string& part) const {
     return std::any_of(messages.begin(), messages.end(),

@@ -372,6 +372,14 @@ TEST(ReadStlVariants, BytesBehindTheTrianglesAreSkippedUnlessTheyMayBeTriangles)
             "the header promises 3 triangles, the file holds 2 and 8 bytes more");
 }
 
+// ---- Assets of Encage -------------------------------------------------------
+
+TEST(ReadAssetVariants, AnAssetThatBecameTextIsRefused) {
+  const std::string message =
+      refusal("a.gltf", R"({"asset":{"version":"2.0"},"extensions":{"ENCAGE_cages":{"version":1}}})");
+  EXPECT_TRUE(message.starts_with("an asset of Encage that another program wrote as text")) << message;
+}
+
 // ---- From memory -----------------------------------------------------------
 
 TEST(DecodePolygonMesh, ReadsBytesOfANamedFormat) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "src/asset/aligned_bytes.h"
 #include "src/asset/glb.h"
 #include "src/asset/index.h"
 #include "src/asset/rules.h"
@@ -25,25 +26,6 @@
 namespace encage {
 
 inline std::span<const std::byte> as_byte_span(const std::string& bytes) { return std::as_bytes(std::span(bytes)); }
-
-/// A file's bytes at a 64-byte aligned address with nothing behind them, so that the address sanitizer detects every
-/// read beyond the end.
-class AlignedBytes {
- public:
-  explicit AlignedBytes(const std::string& bytes)
-      : data_(static_cast<std::byte*>(::operator new(bytes.size(), alignment))), size_(bytes.size()) {
-    if (size_ > 0) std::memcpy(data_.get(), bytes.data(), size_);
-  }
-  std::span<const std::byte> span() const { return {data_.get(), size_}; }
-
- private:
-  static constexpr std::align_val_t alignment{asset_alignment};
-  struct Release {
-    void operator()(std::byte* data) const { ::operator delete(data, alignment); }
-  };
-  std::unique_ptr<std::byte, Release> data_;
-  std::size_t size_;
-};
 
 /// Changes the JSON and the arrays of an asset and computes all hashes anew: the result is what an attacker or a faulty
 /// writer could make, and no hash can detect it. The index is dropped, because it would reveal the change.

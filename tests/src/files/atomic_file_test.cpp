@@ -5,8 +5,10 @@
 
 #include <encage/error.h>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -81,6 +83,92 @@ TEST(AtomicFile, shows_the_temporary_before_it_replaces_anything) {
                std::runtime_error);
   EXPECT_EQ(read_bytes(folder / "a"), "new");
   EXPECT_EQ(folder.size(), 1u);
+}
+
+TEST(AtomicFile, keeps_links_and_replaces_what_they_lead_to) {
+  const Folder folder;
+  fs::create_directory(folder / "there");
+  write_bytes(folder / "there" / "target", "old");
+  fs::create_symlink("there/target", folder / "relative");
+  fs::create_symlink(folder / "there" / "target", folder / "absolute");
+  fs::create_symlink("relative", folder / "second");
+  fs::create_symlink("there/new", folder / "dangling");
+  for (const char* name : {"relative", "absolute", "second", "dangling"}) {
+    EXPECT_FALSE(is_written_through(folder / name));
+    write_atomically(folder / name, name);
+    EXPECT_TRUE(fs::is_symlink(folder / name)) << name;
+    EXPECT_EQ(read_bytes(folder / name), name);
+  }
+  EXPECT_EQ(read_bytes(folder / "there" / "target"), "second");
+  EXPECT_EQ(read_bytes(folder / "there" / "new"), "dangling");
+  EXPECT_EQ(folder.size(), 5u) << "a temporary was left behind";
+
+  fs::create_symlink("circle", folder / "circle");
+  EXPECT_EQ(error_of([&] { write_atomically(folder / "circle", "x"); }),
+            (folder / "circle").string() + ": cannot write: Too many levels of symbolic links");
+  fs::create_symlink("missing/file", folder / "nowhere");
+  EXPECT_EQ(error_of([&] { write_atomically(folder / "nowhere", "x"); }),
+            (folder / "nowhere").string() + ": cannot write: No such file or directory");
+}
+
+TEST(AtomicFile, a_failure_leaves_what_a_link_leads_to) {
+  const Folder folder;
+  write_bytes(folder / "target", "old");
+  fs::create_symlink("target", folder / "link");
+  EXPECT_THROW(write_atomically(folder / "link", "bad", [](const fs::path&) { throw std::runtime_error("no"); }),
+               std::runtime_error);
+  EXPECT_EQ(read_bytes(folder / "target"), "old");
+  EXPECT_EQ(folder.size(), 2u);
+}
+
+TEST(AtomicFile, writes_into_pipes) {
+  const Folder folder;
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("pipe", folder / "link");
+  for (const char* name : {"pipe", "link"}) {
+    EXPECT_TRUE(is_written_through(folder / name));
+    std::string read;
+    std::jthread reader([&] { read = read_bytes(pipe); });
+    write_atomically(folder / name, std::string(100000, 'x'), [](const fs::path&) { FAIL() << "no temporary"; });
+    reader.join();
+    EXPECT_EQ(read, std::string(100000, 'x'));
+    EXPECT_TRUE(fs::is_fifo(pipe));
+  }
+  EXPECT_EQ(folder.size(), 2u);
+}
+
+TEST(AtomicFile, writes_to_devices) {
+  const Folder folder;
+  // As root, a wrong program would replace the device of the whole system: the test makes one of its own.
+  fs::path device = folder / "null";
+  if (mknod(device.c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0) device = "/dev/null";
+  EXPECT_TRUE(is_written_through(device));
+  write_atomically(device, "x");
+  EXPECT_TRUE(fs::is_character_file(device));
+  const fs::path full = folder / "full";
+  if (mknod(full.c_str(), S_IFCHR | 0600, makedev(1, 7)) == 0) {
+    EXPECT_EQ(error_of([&] { write_atomically(full, "x"); }),
+              full.string() + ": cannot write: No space left on device");
+    EXPECT_TRUE(fs::is_character_file(full));
+  }
+}
+
+/// A name of a descriptor means what it has open, where that is now, whatever its name.
+TEST(AtomicFile, goes_on_where_a_descriptor_is) {
+  const Folder folder;
+  const int descriptor = open((folder / "log").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_GE(descriptor, 0);
+  ASSERT_EQ(write(descriptor, "one ", 4), 4);
+  const std::string number = std::to_string(descriptor);
+  write_atomically("/dev/fd/" + number, "two ");
+  fs::create_symlink("/proc/self/fd/" + number, folder / "link");
+  write_atomically(folder / "link", "three ");
+  ASSERT_EQ(write(descriptor, "four", 4), 4);
+  close(descriptor);
+  EXPECT_EQ(read_bytes(folder / "log"), "one two three four");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(folder.size(), 2u);
 }
 
 TEST(AtomicFile, threads_leave_the_umask_alone) {
