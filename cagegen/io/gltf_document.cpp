@@ -221,11 +221,13 @@ std::string_view GltfDocument::open_container(std::string_view bytes) {
   constexpr std::size_t header = 12, chunk_header = 8;
   if (!bytes.starts_with("glTF")) return bytes;
   const Bytes all = as_bytes(bytes);
-  if (all.size() < header + chunk_header)
+  if (all.size() < header + chunk_header) {
     fail(file_, "GLB header: the file has only " + std::to_string(all.size()) + " bytes");
+  }
   const auto word = [&](std::size_t offset) { return load_as<std::uint32_t>(all.data() + offset); };
-  if (word(4) == 1)
+  if (word(4) == 1) {
     fail(file_, "binary glTF 1.0 is not supported; convert it to glTF 2.0, for example with gltf-pipeline");
+  }
   if (word(4) != 2) fail(file_, "GLB header: glTF version " + std::to_string(word(4)) + " is not 2");
   const std::size_t length = word(8);
   if (length > all.size()) {
@@ -279,8 +281,9 @@ void GltfDocument::check_extensions() const {
   std::int64_t unknown_count = 0;
   for (std::int64_t i = 0; required && i < required->size(); ++i) {
     const std::string& extension = required->at(i).text();
-    if (extension == draco_extension && !has_draco())
+    if (extension == draco_extension && !has_draco()) {
       fail(file_, "the file requires the extension " + extension + ", " + no_draco);
+    }
     if (is_known(extension)) continue;
     unknown += (unknown_count++ == 0 ? "" : ", ") + extension;
   }

@@ -719,9 +719,14 @@ TEST(GltfSamples, MeshoptDataThatAreBroken) {
 
 TEST(GltfSamples, DracoWithFallback) {
   GltfAsset asset = GltfAsset::triangle();
-  asset.primitive()["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 77},
-                                                                   {"attributes", {{"POSITION", 0}}}};
+  Json& primitives = asset.json["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  for (int p = 0; p < 2; ++p) {  // the plain vertices are shared, the compressed ones not
+    primitives[static_cast<std::size_t>(p)]["extensions"]["KHR_draco_mesh_compression"] = {
+        {"bufferView", 77 + p}, {"attributes", {{"POSITION", 0}}}};
+  }
   expect_vertices(asset, {row(0, 0, 0), row(1, 0, 0), row(0, 1, 0)});
+  EXPECT_EQ(read("a.glb", asset.binary()).corners, indices({0, 1, 2, 0, 1, 2}));
 }
 
 #ifdef ENCAGE_WITH_DRACO
