@@ -161,7 +161,8 @@ void add_bake(CLI::App& app, int& status) {
   CLI::App* bake = app.add_subcommand("bake", "Bake certified nested cages around a mesh");
   bake->footer(bake_examples);
   const auto a = std::make_shared<BakeArguments>();
-  bake->add_option("input", a->input, "Mesh: .obj, .ply, .stl, .off, .gltf or .glb; - for standard input")
+  bake->add_option("input", a->input,
+                   "Mesh: .obj, .ply, .stl, .off, .gltf, .glb or what Assimp reads; - for standard input")
       ->required()
       ->type_name("IN");
   bake->add_option("-o,--output", a->output,
