@@ -39,8 +39,14 @@ std::string format_of(const std::filesystem::path& file);
 /// "at most this many elements can be in so many bytes": counts in headers are not trusted with memory.
 std::size_t plausible_count(std::int64_t count, std::size_t bytes);
 
+/// Refuses non-finite coordinates.
+void require_finite(const std::filesystem::path& file, const Soup& soup);
+
 /// Refuses non-finite coordinates, too few corners and indices out of range.
 void validate(const std::filesystem::path& file, const Soup& soup);
+
+/// Makes one vertex of those with equal coordinates, all of which are finite; the others keep their order.
+void share_vertices(Soup& soup);
 
 Soup read_off(const std::filesystem::path& file, std::string_view bytes);
 Soup read_obj(const std::filesystem::path& file, std::string_view bytes);

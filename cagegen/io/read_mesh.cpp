@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/io/mesh_file.h"
+#include "cagegen/io/read_assimp.h"
 #include "cagegen/io/text_scanner.h"
+#include "cagegen/sanitize/weld.h"
 #include "src/asset/view.h"
 #include "src/files/read_file.h"
 
@@ -42,6 +44,30 @@ std::size_t plausible_count(std::int64_t count, std::size_t bytes) {
   return std::min(static_cast<std::size_t>(std::max<std::int64_t>(count, 0)), bytes);
 }
 
+void require_finite(const std::filesystem::path& file, const Soup& soup) {
+  for (std::size_t i = 0; i < soup.coordinates.size(); ++i) {
+    if (!std::isfinite(soup.coordinates[i])) {
+      fail(file, "vertex", static_cast<std::int64_t>(i / 3), "coordinate is not finite");
+    }
+  }
+}
+
+void share_vertices(Soup& soup) {
+  const std::vector<std::int32_t> same = weld(soup.coordinates);
+  std::vector<std::int64_t> number(same.size());
+  std::int64_t kept = 0;
+  for (std::size_t v = 0; v < same.size(); ++v) {
+    if (same[v] != static_cast<std::int32_t>(v)) {
+      number[v] = number[same[v]];
+      continue;
+    }
+    for (int k = 0; k < 3; ++k) soup.coordinates[3 * kept + k] = soup.coordinates[3 * v + k];
+    number[v] = kept++;
+  }
+  soup.coordinates.resize(3 * kept);
+  for (std::int64_t& corner : soup.corners) corner = number[corner];
+}
+
 void validate(const std::filesystem::path& file, const Soup& soup) {
   constexpr std::int64_t limit = std::numeric_limits<std::int32_t>::max();
   const std::int64_t vertices = soup.vertex_count();
@@ -49,11 +75,7 @@ void validate(const std::filesystem::path& file, const Soup& soup) {
     fail(file, "no faces (" + std::to_string(vertices) + " vertices)");
   }
   if (vertices > limit || soup.polygon_count() > limit) fail(file, "more than 2^31 - 1 vertices or faces");
-  for (std::size_t i = 0; i < soup.coordinates.size(); ++i) {
-    if (!std::isfinite(soup.coordinates[i])) {
-      fail(file, "vertex", static_cast<std::int64_t>(i / 3), "coordinate is not finite");
-    }
-  }
+  require_finite(file, soup);
   for (std::int64_t p = 0; p < soup.polygon_count(); ++p) {
     const std::int64_t corners = soup.first[p + 1] - soup.first[p];
     if (corners < 3) fail(file, "face", p, "has " + std::to_string(corners) + " corners, needs at least 3");
@@ -119,17 +141,27 @@ constexpr struct {
 
 std::string known_formats() {
   std::string list;
-  for (const auto& format : formats) list += std::string(list.empty() ? "" : " ") + format.name;
+  for (const auto& own : formats) list += std::string(list.empty() ? "" : " ") + own.name;
   return list;
 }
 
-/// Of the format with this name.
-auto find_reader(const std::filesystem::path& file, const std::string& name) {
-  for (const auto& format : formats) {
-    if (name == format.name) return format.read;
+/// Refuses a format that nothing reads, before anything is read.
+void require_known(const std::filesystem::path& file, const std::string& format) {
+  for (const auto& own : formats) {
+    if (format == own.name) return;
   }
-  fail(file, name.empty() ? "the name has no extension that tells the format (known: " + known_formats() + ")"
-                          : "unknown format '" + name + "' (known: " + known_formats() + ")");
+  if (!format.empty() && assimp_reads(format)) return;
+  fail(file, (format.empty() ? "the name has no extension that tells the format" : "unknown format '" + format + "'") +
+                 " (known: " + known_formats() + "); " + more_formats());
+}
+
+Soup read_soup(const std::filesystem::path& file, std::string_view bytes, const std::string& format) {
+  require_known(file, format);
+  if (bytes.empty()) fail(file, "the file is empty");
+  for (const auto& own : formats) {
+    if (format == own.name) return own.read(file, bytes);
+  }
+  return read_assimp(file, bytes, format);
 }
 
 }  // namespace
@@ -138,9 +170,7 @@ auto find_reader(const std::filesystem::path& file, const std::string& name) {
 PolygonMesh decode_polygon_mesh(std::string_view bytes, const std::string& format, const std::filesystem::path& name,
                                 ReadNotes* notes) {
   try {
-    const auto read = io::find_reader(name, io::lower_case(format));
-    if (bytes.empty()) io::fail(name, "the file is empty");
-    io::Soup soup = read(name, bytes);
+    const io::Soup soup = io::read_soup(name, bytes, io::lower_case(format));
     io::validate(name, soup);
     if (notes != nullptr) notes->insert(notes->end(), soup.notes.begin(), soup.notes.end());
     return io::to_mesh(soup);
@@ -151,7 +181,7 @@ PolygonMesh decode_polygon_mesh(std::string_view bytes, const std::string& forma
 
 PolygonMesh read_polygon_mesh(const std::filesystem::path& file, ReadNotes* notes) {
   const std::string format = io::format_of(file);
-  io::find_reader(file, format);  // before anything is read
+  io::require_known(file, format);
   try {
     return decode_polygon_mesh(read_file(file), format, file, notes);
   } catch (const std::bad_alloc&) {

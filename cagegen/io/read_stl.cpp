@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/io/mesh_file.h"
 #include "cagegen/io/text_scanner.h"
-#include "cagegen/sanitize/weld.h"
 
 #include <cmath>
 #include <cstdint>
@@ -175,24 +174,6 @@ class TextStlReader {
   bool has_comments_ = false, has_colours_ = false, has_two_words_ = false, lacks_end_ = false;
 };
 
-/// STL repeats every vertex in each of its triangles.
-void share_vertices(Soup& soup) {
-  const std::vector<std::int32_t> same = weld(soup.coordinates);
-  std::vector<std::int64_t> number(same.size());
-  std::int64_t kept = 0;
-  for (std::size_t v = 0; v < same.size(); ++v) {
-    if (same[v] == static_cast<std::int32_t>(v)) {
-      for (int k = 0; k < 3; ++k) soup.coordinates[3 * kept + k] = soup.coordinates[3 * v + k];
-      number[v] = kept++;
-    } else {
-      number[v] = number[same[v]];
-    }
-    soup.corners.push_back(number[v]);
-    if (v % 3 == 2) soup.end_polygon();
-  }
-  soup.coordinates.resize(3 * kept);
-}
-
 }  // namespace
 
 Soup read_stl(const std::filesystem::path& file, std::string_view bytes) {
@@ -203,6 +184,11 @@ Soup read_stl(const std::filesystem::path& file, std::string_view bytes) {
     TextStlReader(file, bytes, soup).read();
   }
   if (soup.vertex_count() > INT32_MAX) fail(file, "more than 2^31 - 1 corners");
+  // STL repeats every vertex in each of its triangles.
+  for (std::int64_t v = 0; v < soup.vertex_count(); ++v) {
+    soup.corners.push_back(v);
+    if (v % 3 == 2) soup.end_polygon();
+  }
   share_vertices(soup);
   return soup;
 }

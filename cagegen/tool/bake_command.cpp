@@ -5,6 +5,7 @@
 #include "cagegen/cli/usage.h"
 #include "cagegen/tool/bake_mesh.h"
 #include "cagegen/tool/bake_options.h"
+#include "cagegen/tool/bake_robot.h"
 #include "cagegen/tool/command.h"
 #include "cagegen/tool/flow_options.h"
 #include "cagegen/tool/input.h"
@@ -36,6 +37,8 @@ constexpr const char* bake_examples = R"(Examples:
       cages by flow and re-inflation; if the second fails, the first is written, with exit status 1
   encage bake model.obj --coarse fine.obj,coarse.obj
       turns two meshes of your own into cages, the second around the first
+  encage bake robot.urdf -o robot --ratio 0.1 --levels 2
+      every collision mesh of a robot, an asset each, into the folder robot
   convert model.step - | encage bake - --format stl -o - | encage info - --json
       meshes and assets through pipes)";
 
@@ -81,10 +84,6 @@ void print_level(std::size_t number, const CageLevel& level, double seconds) {
   std::cout << line << '\n';
 }
 
-void print_source(const std::filesystem::path& input, const BakedMesh& baked) {
-  std::cout << Input(input).name() << ": " << baked.input_faces << " triangles, " << describe(baked.source) << '\n';
-}
-
 /// Where the asset goes. Throws Error if a result could not be written, before any long work.
 std::filesystem::path checked_output(const BakeArguments& arguments) {
   const std::filesystem::path output = arguments.output.empty() ? default_asset(arguments.input) : arguments.output;
@@ -117,8 +116,8 @@ BakedMesh read_and_bake(BakeArguments& arguments) {
   return baked;
 }
 
-void print_bake(const BakeArguments& arguments, const std::filesystem::path& output, const BakedMesh& baked) {
-  print_source(arguments.input, baked);
+void print_bake(const std::string& input, const std::filesystem::path& output, const BakedMesh& baked) {
+  std::cout << input << ": " << baked.input_faces << " triangles, " << describe(baked.source) << '\n';
   for (std::size_t i = 0; i < baked.hierarchy.levels.size(); ++i) {
     print_level(i + 1, baked.hierarchy.levels[i], baked.report.levels.at(i).seconds);
   }
@@ -138,8 +137,15 @@ void write_figures(const BakeArguments& arguments, const std::filesystem::path& 
   write_json(arguments.json, json);
 }
 
+int run_robot(const BakeArguments& arguments) {
+  if (!arguments.flow.coarse_files().empty()) throw Error("--coarse: is for a single mesh, not for a robot");
+  return bake_robot({arguments.input, arguments.output, arguments.json, arguments.options, arguments.verbose},
+                    print_bake);
+}
+
 /// The exit status.
 int run_bake(BakeArguments& arguments) {
+  if (is_robot(Input(arguments.input, arguments.format).format())) return run_robot(arguments);
   const auto began = std::chrono::steady_clock::now();
   const InterruptScope scope;
   const std::filesystem::path output = checked_output(arguments);
@@ -147,7 +153,7 @@ int run_bake(BakeArguments& arguments) {
   const BakedMesh baked = read_and_bake(arguments);
   write_certified_asset(output_path(output), baked.hierarchy);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  print_bake(arguments, output, baked);
+  print_bake(Input(arguments.input).name(), output, baked);
   if (!arguments.json.empty()) write_figures(arguments, output, baked, seconds);
   if (baked.report.failure.empty()) return success;
   std::cerr << "encage: " << Input(arguments.input).name() << ": " << baked.report.failure << "; "
@@ -161,11 +167,15 @@ void add_bake(CLI::App& app, int& status) {
   CLI::App* bake = app.add_subcommand("bake", "Bake certified nested cages around a mesh");
   bake->footer(bake_examples);
   const auto a = std::make_shared<BakeArguments>();
-  bake->add_option("input", a->input, "Mesh: .obj, .ply, .stl, .off, .gltf or .glb; - for standard input")
+  bake->add_option(
+          "input", a->input,
+          "Mesh: .obj, .ply, .stl, .off, .gltf, .glb or what Assimp reads; or a robot, .urdf; - for standard input")
       ->required()
       ->type_name("IN");
-  bake->add_option("-o,--output", a->output,
-                   "Asset to write; by default IN's name with .glb in the current folder; - for standard output")
+  bake->add_option(
+          "-o,--output", a->output,
+          "Asset to write, of a robot the folder for its assets; by default IN's name in the current folder; - for "
+          "standard output")
       ->type_name("OUT.glb");
   bake->add_option("--format", a->format, "Format of IN, instead of its extension")->type_name("FORMAT");
   CLI::Option* faces = add_faces(*bake, a->options);

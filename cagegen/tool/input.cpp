@@ -34,17 +34,26 @@ Input::Input(fs::path file, std::string format)
       name_(file_ == "-" ? "standard input" : file_.string()),
       is_stream_(is_no_file(file_)) {}
 
-std::string_view Input::stream() {
+std::string_view Input::bytes() {
   if (!bytes_) bytes_ = file_ == "-" ? read_standard_input(name_) : read_file(file_);
   return *bytes_;
 }
 
-bool Input::is_asset() { return is_stream_ ? begins_like_asset(stream()) : tool::is_asset(file_); }
+std::string Input::format() const {
+  std::string format = format_;
+  if (format.empty() && file_.has_extension()) format = file_.extension().string().substr(1);
+  for (char& c : format) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return format;
+}
+
+bool Input::is_asset() { return is_stream_ ? begins_like_asset(bytes()) : tool::is_asset(file_); }
 
 void Input::require_glb() {
   std::string magic(4, '\0');
   if (is_stream_) {
-    magic = stream().substr(0, magic.size());
+    magic = bytes().substr(0, magic.size());
   } else {
     std::ifstream file(file_, std::ios::binary);
     if (!file || fs::is_directory(file_)) throw Error(name_ + ": cannot be opened");
@@ -55,22 +64,20 @@ void Input::require_glb() {
 
 AssetView Input::view(Verify verify) {
   if (!is_stream_) return AssetView(file_, verify);
-  aligned_ = AlignedBytes(stream());
+  aligned_ = AlignedBytes(bytes());
   return AssetView(aligned_.span(), name_, verify);
 }
 
 CageHierarchy Input::asset(Verify verify) {
-  return is_stream_ ? decode_asset(stream(), name_, verify) : read_asset(file_, verify);
+  return is_stream_ ? decode_asset(bytes(), name_, verify) : read_asset(file_, verify);
 }
 
 TriangleMesh Input::mesh(const NoteSink& note) {
   ReadNotes notes;
   PolygonMesh polygons;
   if (is_stream_ || !format_.empty()) {
-    std::string format = format_;
-    if (format.empty() && file_.has_extension()) format = file_.extension().string().substr(1);
-    if (format.empty()) throw Error(name_ + ": has no extension that tells the format; name it with --format");
-    polygons = decode_polygon_mesh(is_stream_ ? stream() : read_file(file_), format, name_, &notes);
+    if (format().empty()) throw Error(name_ + ": has no extension that tells the format; name it with --format");
+    polygons = decode_polygon_mesh(bytes(), format(), name_, &notes);
   } else {
     polygons = read_polygon_mesh(file_, &notes);
   }

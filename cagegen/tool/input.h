@@ -28,6 +28,10 @@ class Input {
   const std::string& name() const { return name_; }
   /// Whether this is an asset of ours, damaged or not.
   bool is_asset();
+  /// The format named, or that of the extension, in lower case; empty if there is none.
+  std::string format() const;
+  /// All bytes; valid as long as this object.
+  std::string_view bytes();
   /// Throws Error unless this can be read and is binary glTF.
   void require_glb();
   /// The view is valid as long as this object.
@@ -37,9 +41,6 @@ class Input {
   TriangleMesh mesh(const NoteSink& note);
 
  private:
-  /// All bytes of what is no regular file.
-  std::string_view stream();
-
   std::filesystem::path file_;
   std::string format_;
   std::string name_;  // for messages

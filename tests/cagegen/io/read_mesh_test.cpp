@@ -207,7 +207,7 @@ TEST(ReadPolygonMesh, RefusesWhatItCannotOpen) {
   EXPECT_THROW(read_polygon_mesh(folder / "missing.obj"), Error);
   std::filesystem::create_directory(folder / "folder.obj");
   EXPECT_THROW(read_polygon_mesh(folder / "folder.obj"), Error);
-  EXPECT_EQ(refusal("a.xyz", "0 0 0"), "unknown format 'xyz' (known: obj ply stl off gltf glb)");
+  EXPECT_TRUE(refusal("a.xyz", "0 0 0").starts_with("unknown format 'xyz' (known: obj ply stl off gltf glb); "));
   for (const char* name : {"a.obj", "a.ply", "a.stl", "a.off", "a.gltf", "a.glb"}) {
     EXPECT_EQ(refusal(name, ""), "the file is empty");
   }
