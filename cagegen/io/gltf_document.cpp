@@ -2,12 +2,11 @@
 #include "cagegen/io/gltf_document.h"
 
 #include "cagegen/io/gltf_draco.h"
+#include "cagegen/io/gltf_meshopt.h"
 #include "cagegen/io/mesh_file.h"
 #include "src/files/file_image.h"
 
 #include <encage/error.h>
-
-#include <meshoptimizer.h>
 
 #include <algorithm>
 #include <array>
@@ -40,6 +39,7 @@ constexpr std::string_view known_extensions[] = {
     "KHR_environment_map",
     "KHR_lights_",
     "KHR_materials_",
+    "KHR_technique_webgl",
     "KHR_techniques_webgl",
     "KHR_texture_",
     "MSFT_packing_",
@@ -55,8 +55,7 @@ constexpr std::string_view known_extensions[] = {
     "EXT_mesh_features",
     "EXT_mesh_manifold",
     "EXT_structural_metadata",
-    "KHR_audio_emitter",
-    "KHR_audio_graph",
+    "KHR_audio_",
     "KHR_node_hoverability",
     "KHR_node_selectability",
     "KHR_xmp",
@@ -222,11 +221,13 @@ std::string_view GltfDocument::open_container(std::string_view bytes) {
   constexpr std::size_t header = 12, chunk_header = 8;
   if (!bytes.starts_with("glTF")) return bytes;
   const Bytes all = as_bytes(bytes);
-  if (all.size() < header + chunk_header)
+  if (all.size() < header + chunk_header) {
     fail(file_, "GLB header: the file has only " + std::to_string(all.size()) + " bytes");
+  }
   const auto word = [&](std::size_t offset) { return load_as<std::uint32_t>(all.data() + offset); };
-  if (word(4) == 1)
+  if (word(4) == 1) {
     fail(file_, "binary glTF 1.0 is not supported; convert it to glTF 2.0, for example with gltf-pipeline");
+  }
   if (word(4) != 2) fail(file_, "GLB header: glTF version " + std::to_string(word(4)) + " is not 2");
   const std::size_t length = word(8);
   if (length > all.size()) {
@@ -280,8 +281,9 @@ void GltfDocument::check_extensions() const {
   std::int64_t unknown_count = 0;
   for (std::int64_t i = 0; required && i < required->size(); ++i) {
     const std::string& extension = required->at(i).text();
-    if (extension == draco_extension && !has_draco())
+    if (extension == draco_extension && !has_draco()) {
       fail(file_, "the file requires the extension " + extension + ", " + no_draco);
+    }
     if (is_known(extension)) continue;
     unknown += (unknown_count++ == 0 ? "" : ", ") + extension;
   }
@@ -375,7 +377,7 @@ GltfDocument::Bytes GltfDocument::view(const JsonNode& reference) {
     const bool plain = has_data(in.integer()) && !(mark && mark->find("fallback") && mark->at("fallback").boolean());
     if (plain && !requires_extension(name)) continue;
     auto found = decompressed_.find(number);
-    if (found == decompressed_.end()) found = decompressed_.emplace(number, decompress(*extension, name)).first;
+    if (found == decompressed_.end()) found = decompressed_.emplace(number, decompress(*extension)).first;
     if (length > found->second.size()) {
       node.fail("has " + std::to_string(length) + " bytes, " + name + " decompresses to " +
                 std::to_string(found->second.size()));
@@ -390,7 +392,7 @@ GltfDocument::Bytes GltfDocument::view(const JsonNode& reference) {
   return all.subspan(offset, length);
 }
 
-std::vector<std::uint8_t> GltfDocument::decompress(const JsonNode& extension, const std::string& name) {
+std::vector<std::uint8_t> GltfDocument::decompress(const JsonNode& extension) {
   const Bytes all = buffer(extension.at("buffer"));
   const auto offset = static_cast<std::size_t>(extension.find("byteOffset") ? extension.at("byteOffset").integer() : 0);
   const auto length = static_cast<std::size_t>(extension.at("byteLength").integer());
@@ -404,43 +406,21 @@ std::vector<std::uint8_t> GltfDocument::decompress(const JsonNode& extension, co
   const auto count = static_cast<std::size_t>(extension.at("count").integer(1));
   const bool attributes = mode == "ATTRIBUTES";
   if (!attributes && mode != "TRIANGLES" && mode != "INDICES") extension.fail("the mode '" + mode + "' is unknown");
-  // The library asserts these.
   const bool fits = attributes ? stride % 4 == 0 : stride == 2 || stride == 4;
   if (!fits) extension.fail("byteStride " + std::to_string(stride) + " does not go with the mode " + mode);
   if (mode == "TRIANGLES" && count % 3 != 0) {
     extension.fail("count " + std::to_string(count) + " is no whole number of triangles");
   }
   if (!attributes && filter != "NONE") extension.fail("the filter " + filter + " does not go with the mode " + mode);
-  // No codec writes a byte for fewer than two bits and 256 vertices.
-  if (count > 1024 * (bytes.size() + 1) / stride) {
-    extension.fail(std::to_string(bytes.size()) + " bytes cannot hold " + std::to_string(count) + " elements");
-  }
-  std::vector<std::uint8_t> result(count * stride);
-  const int error = attributes ? meshopt_decodeVertexBuffer(result.data(), count, stride, bytes.data(), bytes.size())
-                    : mode == "TRIANGLES"
-                        ? meshopt_decodeIndexBuffer(result.data(), count, stride, bytes.data(), bytes.size())
-                        : meshopt_decodeIndexSequence(result.data(), count, stride, bytes.data(), bytes.size());
-  if (error != 0) {
-    constexpr std::uint8_t newer_vertices = 0xA1;
-    if (attributes && !bytes.empty() && bytes[0] == newer_vertices) {
-      extension.fail("the data are of version 1 of " + name + ", which the meshoptimizer of this build (" +
-                     std::to_string(MESHOPTIMIZER_VERSION / 1000) + '.' +
-                     std::to_string(MESHOPTIMIZER_VERSION / 10 % 100) +
-                     ") cannot decode; decompress the file, for example with gltf-transform, or compress it with "
-                     "EXT_meshopt_compression");
-    }
-    extension.fail("the compressed data are damaged");
-  }
-  if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) {
-    meshopt_decodeFilterOct(result.data(), count, stride);
-  } else if (filter == "QUATERNION" && stride == 8) {
-    meshopt_decodeFilterQuat(result.data(), count, stride);
-  } else if (filter == "EXPONENTIAL") {
-    meshopt_decodeFilterExp(result.data(), count, stride);
-  } else if (filter != "NONE") {
+  std::optional<std::vector<std::uint8_t>> result = decode_meshopt(attributes            ? MeshoptMode::attributes
+                                                                   : mode == "TRIANGLES" ? MeshoptMode::triangles
+                                                                                         : MeshoptMode::indices,
+                                                                   bytes, count, stride);
+  if (!result) extension.fail("the compressed data are damaged");
+  if (!apply_meshopt_filter(filter, *result, stride)) {
     extension.fail("the filter " + filter + " is unknown, or does not go with byteStride " + std::to_string(stride));
   }
-  return result;
+  return *std::move(result);
 }
 
 /// So many elements of such a type, in the buffer view and at the offset that `data` names.

@@ -69,7 +69,7 @@ class GltfDocument {
   Bytes buffer(const JsonNode& reference);
   std::string load(const JsonNode& buffer) const;
   bool has_data(std::int64_t buffer) const;
-  std::vector<std::uint8_t> decompress(const JsonNode& extension, const std::string& name);
+  std::vector<std::uint8_t> decompress(const JsonNode& extension);
   Elements elements(const JsonNode& reference, const char* type);
   Elements strided(const JsonNode& reference, const JsonNode& data, Elements elements);
   void change(const JsonNode& reference, const JsonNode& sparse, Elements& elements);

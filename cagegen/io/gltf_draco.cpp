@@ -42,8 +42,9 @@ std::vector<std::int64_t> DracoMesh::corners() const {
   corners.reserve(std::size_t{3} * decoded_->mesh->num_faces());
   for (draco::FaceIndex f(0); f < decoded_->mesh->num_faces(); ++f) {
     for (const draco::PointIndex& point : decoded_->mesh->face(f)) {
-      if (point.value() >= decoded_->mesh->num_points())
+      if (point.value() >= decoded_->mesh->num_points()) {
         throw DracoError("Draco's triangle " + std::to_string(f.value()) + " has a vertex out of range");
+      }
       corners.push_back(point.value());
     }
   }
@@ -61,8 +62,9 @@ std::vector<double> values_of(const draco::Mesh& mesh, const draco::PointAttribu
   std::vector<T> values(std::max(width, (stride + sizeof(T) - 1) / sizeof(T)));
   for (draco::PointIndex point(0); point < mesh.num_points(); ++point) {
     const draco::AttributeValueIndex index = attribute.mapped_index(point);
-    if (index.value() >= attribute.size())
+    if (index.value() >= attribute.size()) {
       throw DracoError("Draco's vertex " + std::to_string(point.value()) + " has no value");
+    }
     attribute.GetValue(index, values.data());
     for (std::size_t k = 0; k < width; ++k) {
       const auto number = static_cast<double>(values[k]);

@@ -194,8 +194,9 @@ class GltfScene {
     const std::vector<double> translations = find("TRANSLATION", "VEC3", Components::any);
     const std::vector<double> rotations = find("ROTATION", "VEC4", Components::normalized);
     const std::vector<double> scales = find("SCALE", "VEC3", Components::any);
-    if (*count > document_.plausible_size())
+    if (*count > document_.plausible_size()) {
       attributes.fail("a file of this size cannot mean " + std::to_string(*count) + " instances");
+    }
     std::vector<Eigen::Affine3d> result(static_cast<std::size_t>(*count), Eigen::Affine3d::Identity());
     for (std::size_t i = 0; i < result.size(); ++i) {
       if (!translations.empty()) result[i].translate(Eigen::Map<const Eigen::Vector3d>(translations.data() + 3 * i));
@@ -209,13 +210,17 @@ class GltfScene {
     return result;
   }
 
+  /// Three coordinates a vertex, three corners a triangle.
+  void require_plausible(const JsonNode& node, std::size_t coordinates, std::size_t corners) const {
+    if (static_cast<std::int64_t>(std::max(coordinates, corners) / 3) > document_.plausible_size()) {
+      node.fail("the scene unfolds to more triangles than a file of this size can mean");
+    }
+  }
+
   void add(const JsonNode& node, const LocalMesh& mesh, const Eigen::Affine3d& to_scene) {
     const std::int64_t base = soup_.vertex_count();
-    const std::int64_t vertices = base + static_cast<std::int64_t>(mesh.coordinates.size() / 3);
-    const std::int64_t faces = soup_.polygon_count() + static_cast<std::int64_t>(mesh.corners.size() / 3);
-    if (std::max(vertices, faces) > document_.plausible_size()) {
-      node.fail("its instances make more triangles than a file of this size can mean");
-    }
+    require_plausible(node, mesh.coordinates.size() + soup_.coordinates.size(),
+                      mesh.corners.size() + soup_.corners.size());
     for (std::size_t i = 0; i < mesh.coordinates.size(); i += 3) {
       const Eigen::Vector3d local(mesh.coordinates[i], mesh.coordinates[i + 1], mesh.coordinates[i + 2]);
       const Eigen::Vector3d point = to_scene * local;
@@ -294,12 +299,11 @@ class GltfScene {
       if (primitive.find("targets")) scene_.morphed_meshes_.insert(number_);
       const std::optional<DracoMesh> draco = decompress(primitive, *position, mode);
       // Primitives often share their vertices.
-      const std::vector<std::optional<JsonNode>> sources = vertex_sources(primitive);
-      std::vector<std::int64_t> key;
-      for (const std::optional<JsonNode>& source : sources) key.push_back(source ? source->integer() : -1);
-      const auto [known, is_new] = vertices_.try_emplace(key, Vertices{vertex_count(), 0});
+      const auto [known, is_new] =
+          vertices_.try_emplace(vertex_sources(primitive, draco.has_value()), Vertices{vertex_count(), 0});
       if (is_new) known->second.count = add_vertices(primitive, draco);
       add_triangles(primitive, draco, draco ? Mode::triangles : mode, known->second);
+      scene_.require_plausible(primitive, result_.coordinates.size(), result_.corners.size());
     }
 
     struct Vertices {
@@ -309,35 +313,39 @@ class GltfScene {
 
     std::int64_t vertex_count() const { return static_cast<std::int64_t>(result_.coordinates.size() / 3); }
 
-    /// What the vertices of a primitive depend on: equal references give equal vertices.
-    std::vector<std::optional<JsonNode>> vertex_sources(const JsonNode& primitive) const {
-      std::vector<std::optional<JsonNode>> sources{primitive.at("attributes").at("POSITION")};
-      const std::optional<JsonNode> compressed = find_extension(primitive, draco_extension);
-      sources.push_back(compressed ? compressed->find("bufferView") : std::nullopt);
-      for (std::int64_t t = 0; t < static_cast<std::int64_t>(weights_.size()); ++t)
-        sources.push_back(target(primitive, t));
-      for (int set = 0; skin_ != nullptr; ++set) {
-        const std::optional<JsonNode> joints = primitive.at("attributes").find(name("JOINTS_", set).c_str());
-        const std::optional<JsonNode> weights = primitive.at("attributes").find(name("WEIGHTS_", set).c_str());
-        if (!joints || !weights) break;
-        sources.push_back(joints);
-        sources.push_back(weights);
+    /// The references that the vertices of a primitive depend on, -1 where there is none.
+    std::vector<std::int64_t> vertex_sources(const JsonNode& primitive, bool compressed) const {
+      const JsonNode attributes = primitive.at("attributes");
+      std::vector<std::int64_t> sources;
+      const auto add = [&](const std::optional<JsonNode>& source) {
+        sources.push_back(source ? source->integer() : -1);
+      };
+      add(attributes.find("POSITION"));
+      add(compressed ? find_extension(primitive, draco_extension)->find("bufferView") : std::nullopt);
+      for (std::size_t t = 0; t < weights_.size(); ++t) add(target(primitive, t));
+      for (int set = 0; skin_ != nullptr && has_joints(primitive, set); ++set) {
+        add(attributes.find(name("JOINTS_", set).c_str()));
+        add(attributes.find(name("WEIGHTS_", set).c_str()));
       }
       return sources;
     }
 
     static std::string name(const char* attribute, int set) { return attribute + std::to_string(set); }
+    static bool has_joints(const JsonNode& primitive, int set) {
+      const JsonNode attributes = primitive.at("attributes");
+      return attributes.find(name("JOINTS_", set).c_str()) && attributes.find(name("WEIGHTS_", set).c_str());
+    }
 
     /// The displacements of a morph target that has a weight.
-    std::optional<JsonNode> target(const JsonNode& primitive, std::int64_t number) const {
-      if (weights_[static_cast<std::size_t>(number)] == 0) return std::nullopt;
+    std::optional<JsonNode> target(const JsonNode& primitive, std::size_t number) const {
+      if (weights_[number] == 0) return std::nullopt;
       const std::optional<JsonNode> targets = primitive.find("targets");
       if (!targets) return std::nullopt;
       if (targets->size() != static_cast<std::int64_t>(weights_.size())) {
         primitive.fail("has " + std::to_string(targets->size()) + " morph targets, but there are " +
                        std::to_string(weights_.size()) + " weights");
       }
-      return targets->at(number).find("POSITION");
+      return targets->at(static_cast<std::int64_t>(number)).find("POSITION");
     }
 
     /// What Draco says has no place.
@@ -359,9 +367,10 @@ class GltfScene {
         if (mode == Mode::triangle_fan) primitive.fail(std::string(draco_extension) + " has no triangle fans");
         return at_place(primitive, [&] { return DracoMesh(document_.view(compressed->at("bufferView"))); });
       }
-      if (!plain)
+      if (!plain) {
         position.fail("accessor " + std::to_string(position.integer()) +
                       " has no data: neither a buffer view nor sparse values");
+      }
       return std::nullopt;
     }
 
@@ -386,7 +395,7 @@ class GltfScene {
       std::vector<double> positions = attribute(primitive, draco, "POSITION", "VEC3", 3, Components::any);
       const auto count = static_cast<std::int64_t>(positions.size() / 3);
       for (std::size_t t = 0; t < weights_.size(); ++t) {
-        const std::optional<JsonNode> moved = target(primitive, static_cast<std::int64_t>(t));
+        const std::optional<JsonNode> moved = target(primitive, t);
         if (!moved) continue;
         const std::vector<double> displacements = document_.numbers(*moved, "VEC3", Components::any);
         if (displacements.size() != positions.size()) {
@@ -407,9 +416,7 @@ class GltfScene {
                      const std::vector<double>& positions) {
       const std::size_t count = positions.size() / 3;
       std::vector<double> sums(positions.size(), 0), totals(count, 0);
-      for (int set = 0; primitive.at("attributes").find(name("JOINTS_", set).c_str()) &&
-                        primitive.at("attributes").find(name("WEIGHTS_", set).c_str());
-           ++set) {
+      for (int set = 0; has_joints(primitive, set); ++set) {
         // Read as numbers, because Draco gives them so; they are small and exact.
         const std::vector<double> joints =
             attribute(primitive, draco, name("JOINTS_", set), "VEC4", 4, Components::any);
@@ -438,8 +445,9 @@ class GltfScene {
         for (std::size_t k = 3 * v; k < 3 * v + 3; ++k) {
           // Weights add up to one but for rounding. A vertex without weights follows no joint.
           skinned_.push_back(totals[v] == 0 ? positions[k] : sums[k] / totals[v]);
-          if (!std::isfinite(skinned_.back()))
+          if (!std::isfinite(skinned_.back())) {
             primitive.fail("vertex " + std::to_string(v) + " is not finite in its skin's pose");
+          }
         }
       }
     }

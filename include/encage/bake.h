@@ -28,9 +28,10 @@ using ReadNotes = std::vector<std::string>;
 
 /// Reads OBJ, PLY, STL (both in text and binary), OFF (text) or glTF/GLB, in double and by the extension
 /// (docs/formats.md). Polygons are kept; points and lines are skipped. STL vertices with equal coordinates are shared.
-/// Of glTF, all triangles of the default scene, node transforms applied; skins and morph targets stay in their bind
-/// pose. Appends to `notes` unless it is null. Throws Error naming file, element (counted from 0), line and reason;
-/// refuses NaN, infinity, indices out of range, truncated files and files without faces.
+/// Of glTF, all triangles of the default scene in its default pose: instances, node transforms, morph targets with
+/// their default weights, skins as their joints stand. Appends to `notes` unless it is null. Throws Error naming file,
+/// element (counted from 0), line and reason; refuses NaN, infinity, indices out of range, truncated files, files
+/// without faces, and glTF extensions that a file requires and the reader does not know.
 PolygonMesh read_polygon_mesh(const std::filesystem::path& file, ReadNotes* notes = nullptr);
 
 /// The same from memory. `format` is an extension without its dot; `name` stands for the file in messages, and files

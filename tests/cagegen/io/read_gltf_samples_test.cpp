@@ -636,6 +636,57 @@ TEST(GltfSamples, MeshoptFilters) {
   expect_vertices(asset, {row(1, 0, 0), row(0, 1, 0), row(0, 0, 1)}, 0.02);
 }
 
+/// 300 points, by the encoder of meshoptimizer 1.2 at its highest level: every control mode of bytes, and every mode of
+/// channels, one of them rotated.
+constexpr std::string_view meshopt_version_1 =
+    "oRrqAAAAAAAAEIAREYBAQEAREUAgICARESAgICARESAQEBARERAQEBARERAQEBARERAQEBARERAICAgREQgICAgREQgICAgREQgICAgREQgICAgR"
+    "EQgICAgREQgICAgREQgICAgBAAAAEAF/AQD6BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foG"
+    "Af36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foG"
+    "Af36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgH9+gYB/foG"
+    "Af36BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgFBEAQFgAEHCAAG2doAGKGiAGAWFQCA8AEA70EQBAWAAZiXAAZzdAAYXV4AYNzbAIBnAQBoQRAE"
+    "BYAB1dYABm9wABgzNABgYmEAgPMBAPQBEAQFgAEEAwAYAgEAYAIBAIAEAQADmuoAABERCAQEBBERBAQEBBEBBAQE/foGAf36BgH9+gYB/foGAf36"
+    "BgH9+gYB/foGAf36BgH9+gYB/foGAf36BgEBBgCRkgEGAF9gAQYA0M8BBgACAQAAAAAAAAAAAAAAAAAAAAAAAACAPwEiAA==";
+
+TEST(GltfSamples, MeshoptVersion1) {
+  constexpr std::size_t size = 574;
+  const auto asset_of = [](const std::string& data, std::size_t length) {
+    GltfAsset asset = GltfAsset::triangle();
+    asset.require("KHR_meshopt_compression");
+    asset.json["accessors"][0]["count"] = 300;
+    asset.json["buffers"] = {
+        Json::object(), {{"byteLength", 3600}}, {{"byteLength", length}, {"uri", "data:;base64," + data}}};
+    asset.json["bufferViews"][0] = {
+        {"buffer", 1},
+        {"byteLength", 3600},
+        {"extensions",
+         {{"KHR_meshopt_compression",
+           {{"buffer", 2}, {"byteLength", length}, {"byteStride", 12}, {"count", 300}, {"mode", "ATTRIBUTES"}}}}}};
+    return asset.binary();
+  };
+  const std::string data(meshopt_version_1);
+  const PolygonMesh mesh = read("a.glb", asset_of(data, size));
+  ASSERT_EQ(mesh.vertices.rows(), 300);
+  std::uint32_t noise = 1;
+  for (int i = 0; i < 300; ++i) {
+    noise = noise * 1664525u + 1013904223u;
+    const float z = i % 50 == 7 ? static_cast<float>(noise >> 8) * 1e-6f : 1.0f;
+    EXPECT_EQ(mesh.vertices.row(i), row(i / 4, (i % 4) * 0.25, z)) << i;
+  }
+  // Lengths rounded up to whole words, which some writers store, are understood; other bytes too many are not.
+  const std::string start = data.substr(0, data.size() - 4);
+  EXPECT_EQ(data.substr(start.size()), "AA==");
+  EXPECT_EQ(read("a.glb", asset_of(start + "AAAA", size + 2)).vertices, mesh.vertices);
+  EXPECT_NE(refusal("a.glb", asset_of(start + "AAAAAAAA", size + 5)), "");
+  EXPECT_NE(refusal("a.glb", asset_of(start + "AAAB", size + 2)), "");
+  // Three bytes, or groups of them, fewer.
+  for (std::size_t cut = 4; cut < data.size(); cut += 4) {
+    const std::string shorter = data.substr(0, data.size() - cut);
+    EXPECT_EQ(refusal("a.glb", asset_of(shorter, shorter.size() / 4 * 3)),
+              "buffer view 0.extensions.KHR_meshopt_compression: the compressed data are damaged")
+        << cut;
+  }
+}
+
 TEST(GltfSamples, MeshoptDataThatAreBroken) {
   const auto refused = [](const std::function<void(Json&, GltfAsset&)>& change) {
     GltfAsset asset = compressed_grid("EXT_meshopt_compression");
@@ -652,16 +703,11 @@ TEST(GltfSamples, MeshoptDataThatAreBroken) {
   EXPECT_EQ(refused([](Json& how, GltfAsset&) { how["byteStride"] = 0; }), ".byteStride: 0 is out of range");
   EXPECT_EQ(refused([](Json& how, GltfAsset&) { how["filter"] = "QUATERNION"; }),
             ": the filter QUATERNION is unknown, or does not go with byteStride 12");
-  EXPECT_EQ(refused([](Json& how, GltfAsset&) {
-              how["count"] = 1 << 30;
-            }).find("bytes cannot hold 1073741824 elements") == std::string::npos,
-            false);
+  EXPECT_EQ(refused([](Json& how, GltfAsset&) { how["count"] = 1 << 30; }), ": the compressed data are damaged");
   EXPECT_EQ(refused([](Json&, GltfAsset& asset) { asset.json["bufferViews"][0]["byteLength"] = 4801; }),
             "buffer view 0: has 4801 bytes, EXT_meshopt_compression decompresses to 4800");
-  EXPECT_EQ(
-      refused([](Json& how, GltfAsset& asset) { asset.data[how["byteOffset"].get<std::size_t>()] = '\xA1'; }),
-      ": the data are of version 1 of EXT_meshopt_compression, which the meshoptimizer of this build (0.18) cannot "
-      "decode; decompress the file, for example with gltf-transform, or compress it with EXT_meshopt_compression");
+  EXPECT_EQ(refused([](Json& how, GltfAsset& asset) { asset.data[how["byteOffset"].get<std::size_t>()] = '\xA1'; }),
+            ": the compressed data are damaged");
   EXPECT_EQ(refused([](Json&, GltfAsset& asset) {
               Json& how = asset.json["bufferViews"][1]["extensions"]["EXT_meshopt_compression"];
               how["count"] = how["count"].get<int>() - 1;
@@ -673,9 +719,14 @@ TEST(GltfSamples, MeshoptDataThatAreBroken) {
 
 TEST(GltfSamples, DracoWithFallback) {
   GltfAsset asset = GltfAsset::triangle();
-  asset.primitive()["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 77},
-                                                                   {"attributes", {{"POSITION", 0}}}};
+  Json& primitives = asset.json["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  for (int p = 0; p < 2; ++p) {  // the plain vertices are shared, the compressed ones not
+    primitives[static_cast<std::size_t>(p)]["extensions"]["KHR_draco_mesh_compression"] = {
+        {"bufferView", 77 + p}, {"attributes", {{"POSITION", 0}}}};
+  }
   expect_vertices(asset, {row(0, 0, 0), row(1, 0, 0), row(0, 1, 0)});
+  EXPECT_EQ(read("a.glb", asset.binary()).corners, indices({0, 1, 2, 0, 1, 2}));
 }
 
 #ifdef ENCAGE_WITH_DRACO
