@@ -6,6 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <iostream>
+#include <streambuf>
+#include <string>
+#include <vector>
 
 namespace encage::bench {
 namespace {
@@ -67,6 +71,23 @@ TEST_F(CommandLine, WithoutOptionsTheDefaultsStay) {
   EXPECT_EQ(ran, "bench");
   EXPECT_EQ(a.runs, 3);
   EXPECT_EQ(a.threads, (std::vector<int>{1, 2}));
+}
+
+/// As in the program encage: without a file, JSON takes the place of what is printed.
+TEST_F(CommandLine, JsonWithoutAFileGoesToStandardOutput) {
+  EXPECT_EQ(run({"--json", "a.json"}), 0);
+  EXPECT_EQ(a.json, "a.json");
+  std::streambuf* const before = std::cout.rdbuf();
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"--json"}, {"--json", "-"}}) {
+    a.json.clear();
+    testing::internal::CaptureStdout();
+    const int status = run(words);
+    std::cout << "a table";
+    std::cout.rdbuf(before);
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(a.json, "-");
+  }
 }
 
 TEST_F(CommandLine, TakesEveryKindOfValue) {
