@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// What both makers of a level are asked for and give: collapse_level() and flow_level().
+// What the makers of a level are asked for and give: CollapseMaker, ConvexMaker and FlowMaker.
 
 #include "cagegen/geometry/obstacle.h"
 #include "cagegen/threads/control.h"
@@ -14,11 +14,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace encage::makers {
 
-/// Distance that a level keeps to itself, in clearances: the next level must fit between two of its strands.
-constexpr double self_clearances = 6;
+/// Distance that a level keeps to itself, in clearances, for each level that must still fit between two of its strands,
+/// and for itself.
+constexpr double self_clearances_of_a_level = 3;
 
 struct LevelRequest {
   const TriangleMesh* inner = nullptr;               ///< what must be enclosed; the obstacle is made of it
@@ -28,6 +30,7 @@ struct LevelRequest {
   std::int64_t faces = 0;                            ///< at most
   double diagonal = 0;                               ///< of the source
   double clearance = 0;                              ///< least distance to the obstacle, a length
+  double self_clearance = 0;                         ///< least distance between strands of the cage, a length
   Topology topology = Topology::any;
   int threads = 1;                            ///< never changes the result
   std::function<void(std::string_view)> log;  ///< what failed and what was tried instead; may be empty
@@ -37,19 +40,28 @@ struct LevelRequest {
 struct Candidate {
   TriangleMesh cage;
   double volume = 0;
-  std::string start;    ///< "decimate", "wrap/50", "hull", "box", "tetrahedron", "regular", "adaptive", "user"
-  bool convex = false;  ///< made from the convex hull, a box or a tetrahedron, not from the surface
-};
-
-/// Decides by exact arithmetic: the certificate of a candidate, no value if it is refused. Called from one thread.
-using Accept = std::function<std::optional<Certificate>(const Candidate&)>;
-
-struct LevelResult {
-  Candidate candidate;
-  Certificate certificate;       ///< what `accept` returned for the candidate
+  std::string start;  ///< "decimate", "wrap/50", "hull", "box", "tetrahedron", "regular", "adaptive", "user"
+  Method method = Method::collapse;
   TriangleMesh undeformed;       ///< of the flow: the coarse mesh before it was moved
   double flow_seconds = 0;       ///< 0 for the collapse
-  double reinflate_seconds = 0;  ///< with the final minimisation; 0 for the collapse
+  double reinflate_seconds = 0;  ///< 0 for the collapse
+};
+
+/// Makes cages for one level, a batch at a time, until one of them is certified.
+class CandidateMaker {
+ public:
+  CandidateMaker() = default;
+  virtual ~CandidateMaker() = default;
+  CandidateMaker(const CandidateMaker&) = delete;
+  CandidateMaker& operator=(const CandidateMaker&) = delete;
+
+  /// The next cages, valid but not finished; none: there are no more. The same for any number of threads. Throws
+  /// Cancelled.
+  virtual std::vector<Candidate> next() = 0;
+  /// Makes a candidate as tight as it can be.
+  virtual void finish(Candidate& candidate) = 0;
+  /// Why nothing came of the last attempt, in the user's words.
+  virtual std::string failure() const = 0;
 };
 
 }  // namespace encage::makers

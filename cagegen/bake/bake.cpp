@@ -31,18 +31,12 @@ CageHierarchy describe_source(const SourceMesh& source, bool keep_fine) {
   return result;
 }
 
-/// Makes one chain after the other and keeps the best.
-Chain compete(LevelMaker& maker, const std::vector<Recipe>& recipes, const BakeContext& context) {
-  std::vector<Chain> chains;
-  bool any_levels = false;
-  for (const Recipe& recipe : recipes) {
-    if (any_levels && maker.expired()) break;
-    chains.push_back(make_chain(maker, recipe, {chains.size(), recipes.size(), any_levels}));
-    any_levels = any_levels || !chains.back().levels.empty();
-    const std::string& failure = chains.back().failure;
-    if (!failure.empty() && recipes.size() > 1 && context.trace) context.trace(recipe.name + ": " + failure);
+std::vector<LevelTarget> targets(const std::vector<std::int64_t>& faces, const std::vector<TriangleMesh>& coarse) {
+  std::vector<LevelTarget> result;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    result.push_back({faces[i], coarse.empty() ? nullptr : &coarse[i], faces.size() - 1 - i});
   }
-  return best_chain(std::move(chains));
+  return result;
 }
 
 }  // namespace
@@ -57,7 +51,7 @@ CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const B
   result.options = options_json(options, faces);
 
   LevelMaker maker(source, options, context);
-  Chain chain = compete(maker, recipes(options, faces, coarse), context);
+  Chain chain = make_chain(maker, targets(faces, coarse));
   if (!chain.failure.empty()) {
     if (!options.keep_partial || chain.levels.empty()) throw Error(chain.failure);
     if (context.log) context.log("only the levels before are kept: " + chain.failure);

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/bake/level_maker.h"
 
-#include "cagegen/bake/coarse_meshes.h"
-#include "cagegen/collapse/collapse_level.h"
-#include "cagegen/flow/flow_level.h"
+#include "cagegen/bake/level_work.h"
 #include "cagegen/threads/run_reporting.h"
 
 #include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
-#include <vector>
 
 namespace encage {
 
@@ -37,45 +34,8 @@ LevelMaker::LevelMaker(const SourceMesh& source, const BakeOptions& options, con
 std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTarget& target,
                                           const LevelProgress& progress, std::string& failure) {
   const auto start = Clock::now();
-  const std::string prefix = progress.chain.empty() ? "" : progress.chain + ": ";
-  const std::string stage = prefix + std::to_string(target.faces) + " faces";
-  const auto pass_on = [&] {
-    journal_.pass_on([&](std::string_view message) {
-      if (context_.trace) context_.trace(prefix + std::string(message));
-    });
-  };
-  const bool may_give_up = progress.may_give_up && target.method == Method::flow;
-  bool gave_up = false;
-  control_.fraction = 0;
-  MadeLevel made;
-  failure.clear();
-  try {
-    run_reporting([&] { work(finer, target, made, failure); },
-                  [&] {
-                    pass_on();
-                    // Work that starts anew, from another start or without a constraint, shows no step back.
-                    shown_ = std::max(shown_, std::min(1.0, progress.done + progress.share * control_.fraction));
-                    if (context_.progress) context_.progress(shown_, stage);
-                    if (may_give_up && control_.expired()) control_.abandoned = gave_up = true;
-                  },
-                  [&] { control_.abandoned = true; });
-  } catch (const Cancelled&) {
-    pass_on();
-    const bool asked = context_.cancel != nullptr && *context_.cancel;
-    if (asked || !gave_up) throw;
-    control_.abandoned = false;
-    failure.clear();
-    return std::nullopt;
-  }
-  pass_on();
-  control_.abandoned = false;  // too late: the level was done before it noticed
-  if (!failure.empty()) return std::nullopt;
-  made.times.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  return made;
-}
-
-void LevelMaker::work(const MadeLevel* finer, const LevelTarget& target, MadeLevel& made, std::string& failure) {
-  makers::LevelRequest request;
+  LevelJob job;
+  makers::LevelRequest& request = job.request;
   request.inner = finer != nullptr ? &finer->level.mesh : &source_.obstacle;
   request.clean = finer != nullptr ? &finer->level.mesh : &source_.clean;
   request.manifold = finer != nullptr || source_.manifold;
@@ -83,61 +43,52 @@ void LevelMaker::work(const MadeLevel* finer, const LevelTarget& target, MadeLev
   request.faces = target.faces;
   request.diagonal = source_.diagonal;
   request.clearance = options_.min_clearance * source_.diagonal;
+  request.self_clearance =
+      makers::self_clearances_of_a_level * static_cast<double>(1 + target.coarser) * request.clearance;
   request.topology = options_.topology;
   request.threads = threads_;
   request.log = [&](std::string_view message) { journal_.add(std::string(message)); };
-  const makers::Obstacle obstacle(*request.inner);
-  try {
-    makers::LevelResult result = make_by(target.method, obstacle, request, finer, target.coarse);
-    made.level = {std::move(result.candidate.cage), std::move(result.certificate)};
-    Certificate& certificate = made.level.certificate;
-    certificate.method = result.candidate.convex ? Method::hull : target.method;
-    certificate.start = std::move(result.candidate.start);
-    if (source_.volume > 0) certificate.volume_ratio = certificate.volume / source_.volume;
-    made.undeformed = std::move(result.undeformed);
-    made.times.flow_seconds = result.flow_seconds;
-    made.times.reinflate_seconds = result.reinflate_seconds;
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const Error& error) {
-    failure = error.what();
-  }
-}
+  job.solid = finer != nullptr ? Solid::closed : source_.solid;
+  job.coarse = target.coarse;
+  if (finer != nullptr && finer->undeformed.triangles.rows() > 0) job.undeformed = &finer->undeformed;
+  job.expendable = finer != nullptr;
 
-makers::LevelResult LevelMaker::make_by(Method method, const makers::Obstacle& obstacle,
-                                        const makers::LevelRequest& request, const MadeLevel* finer,
-                                        const TriangleMesh* coarse) {
-  const Solid solid = finer != nullptr ? Solid::closed : source_.solid;
-  const auto decide = [&](const makers::Candidate& candidate) { return accept(*request.inner, solid, candidate); };
-  if (method == Method::collapse) return makers::collapse_level(obstacle, request, control_, decide);
-  makers::FlowChoices choices;
-  if (finer != nullptr && finer->undeformed.triangles.rows() > 0) choices.undeformed = &finer->undeformed;
-  choices.coarse = coarse;
-  choices.decimator = checked_decimator(options_.decimator, options_.decimator_name);
-  choices.decimator_name = options_.decimator_name;
-  choices.inflate = options_.energy_inflate ? options_.energy_inflate : step_energy();
-  choices.final = options_.energy_final ? options_.energy_final : volume_energy();
-  choices.path = options_.path;
-  makers::LevelResult result = makers::flow_level(obstacle, request, choices, control_, decide);
-  // Who brings meshes, or an energy other than the volume, wants just what comes of them.
-  const bool for_volume = coarse == nullptr && choices.final == volume_energy();
-  if (!for_volume || request.topology == Topology::keep) return result;
-  if (auto convex = makers::convex_level(obstacle, request, result.candidate.volume, control_, decide)) {
-    return std::move(*convex);
-  }
-  return result;
-}
+  LevelWork work(job, options_, journal_, control_);
+  const std::string stage = std::to_string(target.faces) + " faces";
+  std::optional<LevelWork::Result> result;
+  failure.clear();
+  const auto run = [&] {
+    try {
+      result = work.run();
+      failure = work.failure();
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      failure = error.what();
+    }
+  };
+  const auto report = [&] {
+    journal_.pass_on(context_.trace);
+    // Work that starts anew, from another start or without a constraint, shows no step back.
+    shown_ = std::max(shown_, std::min(1.0, progress.done + progress.share * work.fraction()));
+    if (context_.progress) context_.progress(shown_, stage);
+    if (control_.expired()) work.time_is_up();
+  };
+  run_reporting(run, report, [&] { control_.abandoned = true; });
+  journal_.pass_on(context_.trace);
+  if (!result) return std::nullopt;
 
-/// The one place where a candidate becomes a certified cage.
-std::optional<Certificate> LevelMaker::accept(const TriangleMesh& inner, Solid solid,
-                                              const makers::Candidate& candidate) {
-  CertifyResult proof = certify(inner, solid, candidate.cage);
-  if (!proof.holds) {
-    journal_.add("candidate refused by the certificate: " + candidate.start + ": " + proof.reason);
-    return std::nullopt;
-  }
-  if (options_.topology == Topology::keep && proof.certificate.no_new_handles == false) return std::nullopt;
-  return std::move(proof.certificate);
+  MadeLevel made;
+  made.level = {std::move(result->candidate.cage), std::move(result->certificate)};
+  Certificate& certificate = made.level.certificate;
+  certificate.method = result->candidate.method;
+  certificate.start = std::move(result->candidate.start);
+  if (source_.volume > 0) certificate.volume_ratio = certificate.volume / source_.volume;
+  made.undeformed = std::move(result->candidate.undeformed);
+  made.times.flow_seconds = result->candidate.flow_seconds;
+  made.times.reinflate_seconds = result->candidate.reinflate_seconds;
+  made.times.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return made;
 }
 
 }  // namespace encage

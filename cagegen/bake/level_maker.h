@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cagegen/level.h"
 #include "cagegen/threads/control.h"
 #include "cagegen/threads/journal.h"
 
 #include <encage/bake.h>
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 
 namespace encage {
 
-/// A certified level, with what the next level of the same chain needs.
+/// A certified level, with what the next level needs.
 struct MadeLevel {
   CageLevel level;
   /// The coarse mesh as decimated, before flow and re-inflation; empty if the level was made by collapse.
@@ -23,18 +22,15 @@ struct MadeLevel {
 };
 
 struct LevelTarget {
-  Method method = Method::collapse;  ///< collapse or flow
   std::int64_t faces = 0;
   const TriangleMesh* coarse = nullptr;  ///< of the flow: made by the user, local frame
+  std::size_t coarser = 0;               ///< levels that will follow
 };
 
 /// Which part of the whole bake a level is.
 struct LevelProgress {
-  std::string chain;  ///< prefix of messages; empty if there is only one chain
-  double done = 0;    ///< fraction of the bake before this level
-  double share = 1;   ///< fraction of the bake that this level takes
-  /// A level exists already, so that a level of the flow may be left unfinished when time is up.
-  bool may_give_up = false;
+  double done = 0;   ///< fraction of the bake before this level
+  double share = 1;  ///< fraction of the bake that this level takes
 };
 
 /// Makes levels one by one, on a thread of its own, while the caller's functions are called from the caller's thread.
@@ -52,11 +48,6 @@ class LevelMaker {
   bool out_of_time() const { return control_.out_of_time; }
 
  private:
-  void work(const MadeLevel* finer, const LevelTarget& target, MadeLevel& made, std::string& failure);
-  makers::LevelResult make_by(Method method, const makers::Obstacle& obstacle, const makers::LevelRequest& request,
-                              const MadeLevel* finer, const TriangleMesh* coarse);
-  std::optional<Certificate> accept(const TriangleMesh& inner, Solid solid, const makers::Candidate& candidate);
-
   const SourceMesh& source_;
   const BakeOptions& options_;
   const BakeContext& context_;

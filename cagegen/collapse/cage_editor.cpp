@@ -16,6 +16,7 @@ constexpr int most_rounds = 8;             // of cutting planes for one placemen
 constexpr double lift_clearances = 3;      // clearances that a placement aims for
 constexpr std::size_t hit_limit = 64;      // per triangle and round
 constexpr double thinnest_shape = 1e-4;    // height / longest edge of a cage triangle
+constexpr std::size_t spare_triangles = 64;  // for splits, until the tree is built anew
 constexpr std::int32_t moved_vertex = -1;  // index of the vertex being placed
 
 }  // namespace
@@ -38,16 +39,22 @@ CageEditor::CageEditor(const Obstacle& obstacle, const TriangleMesh& cage, const
       incident_[triangle_[t][k]].push_back(static_cast<std::int32_t>(t));
     }
   }
-  face_count_ = static_cast<std::int64_t>(triangle_.size());
-  mark_.assign(triangle_.size(), 0);
+  used_ = triangle_.size();
+  face_count_ = static_cast<std::int64_t>(used_);
   rebuild_tree();
 }
 
 void CageEditor::rebuild_tree() {
+  triangle_.resize(used_ + spare_triangles, {-1, -1, -1});
+  mark_.resize(triangle_.size(), 0);
   std::vector<Eigen::AlignedBox3d> boxes(triangle_.size());
   for (std::size_t t = 0; t < triangle_.size(); ++t) {
     if (triangle_[t][0] < 0) continue;
     for (const std::int32_t v : triangle_[t]) boxes[t].extend(position_[v]);
+  }
+  // Spare triangles wait all over the tree, to enlarge few boxes when they are used.
+  for (std::size_t i = 0; i < spare_triangles; ++i) {
+    boxes[used_ + i].extend(position_[i * position_.size() / spare_triangles]);
   }
   tree_.build(boxes);
   built_for_ = face_count_;
@@ -67,8 +74,8 @@ void CageEditor::neighbours(std::int32_t vertex, std::vector<std::int32_t>& foun
 bool CageEditor::make_collapse_patch(std::int32_t u, std::int32_t v, Patch& patch) const {
   patch.ring.clear();
   patch.old_triangles.clear();
-  patch.moved = {u, v};
-  patch.moved_count = 2;
+  patch.replaced = {position_[u], position_[v]};
+  patch.replaced_count = 2;
   int shared = 0;
   std::array<std::int32_t, 2> opposite{-1, -1};
   for (const std::int32_t vertex : {u, v}) {
@@ -111,14 +118,32 @@ bool CageEditor::make_collapse_patch(std::int32_t u, std::int32_t v, Patch& patc
 void CageEditor::make_vertex_patch(std::int32_t vertex, Patch& patch) const {
   patch.ring.clear();
   patch.old_triangles.clear();
-  patch.moved = {vertex, -1};
-  patch.moved_count = 1;
+  patch.replaced[0] = position_[vertex];
+  patch.replaced_count = 1;
   for (const std::int32_t t : incident_[vertex]) {
     int k = 0;
     while (triangle_[t][k] != vertex) ++k;
     patch.ring.push_back({triangle_[t][(k + 1) % 3], triangle_[t][(k + 2) % 3], t});
     patch.old_triangles.push_back(t);
   }
+}
+
+bool CageEditor::make_split_patch(std::int32_t u, std::int32_t v, Patch& patch) const {
+  patch.ring.clear();
+  patch.old_triangles.clear();
+  patch.replaced[0] = (position_[u] + position_[v]) / 2;
+  patch.replaced_count = 1;
+  for (const std::int32_t t : incident_[u]) {
+    const auto& corner = triangle_[t];
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t a = corner[k], b = corner[(k + 1) % 3], opposite = corner[(k + 2) % 3];
+      if (!(a == u && b == v) && !(a == v && b == u)) continue;
+      patch.ring.push_back({b, opposite, t});
+      patch.ring.push_back({opposite, a, t});
+      patch.old_triangles.push_back(t);
+    }
+  }
+  return patch.old_triangles.size() == 2;
 }
 
 double CageEditor::Objective::cost(const Point& p) const {
@@ -128,7 +153,7 @@ double CageEditor::Objective::cost(const Point& p) const {
 
 CageEditor::Objective CageEditor::objective(const Patch& patch, double quadric_weight) const {
   Objective result;
-  for (int i = 0; i < patch.moved_count; ++i) result.centre += position_[patch.moved[i]] / patch.moved_count;
+  for (int i = 0; i < patch.replaced_count; ++i) result.centre += patch.replaced[i] / patch.replaced_count;
   double area = 0;
   double quadric = 0;
   for (const std::int32_t t : patch.old_triangles) {
@@ -188,13 +213,23 @@ std::optional<VertexPlacement> CageEditor::plan_collapse(std::int32_t u, std::in
 std::optional<VertexPlacement> CageEditor::plan_tightening(std::int32_t vertex, double reach) {
   Patch& patch = scratch_.patch;
   make_vertex_patch(vertex, patch);
+  return plan_inward(patch, reach);
+}
+
+std::optional<VertexPlacement> CageEditor::plan_split(std::int32_t u, std::int32_t v, double reach) {
+  Patch& patch = scratch_.patch;
+  if (!make_split_patch(u, v, patch)) return std::nullopt;
+  return plan_inward(patch, reach);
+}
+
+std::optional<VertexPlacement> CageEditor::plan_inward(const Patch& patch, double reach) {
   const Objective o = objective(patch, 0);
   // Volume is linear in p: a quadratic term makes the free step `reach` long.
   const double slope = o.vector.norm();
   if (slope == 0) return std::nullopt;
   const Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * (slope / reach);
   const auto p = place(patch, a, o.vector, o.centre);
-  if (!p || *p == position_[vertex]) return std::nullopt;
+  if (!p || *p == patch.replaced[0]) return std::nullopt;
   const double cost = o.cost(*p);
   if (!(cost < 0) || !acceptable(patch, *p)) return std::nullopt;
   return VertexPlacement{*p, cost};
@@ -233,7 +268,7 @@ std::optional<Point> CageEditor::place(const Patch& patch, const Eigen::Matrix3d
       const Prism prism({p, position_[edge.a], position_[edge.b]});
       if (!prism.valid) return std::nullopt;
       double ceiling = lift;
-      for (int m = 0; m < patch.moved_count; ++m) ceiling = std::max(ceiling, prism.height(position_[patch.moved[m]]));
+      for (int m = 0; m < patch.replaced_count; ++m) ceiling = std::max(ceiling, prism.height(patch.replaced[m]));
       const double slope = obstacle_.steepest(prism, lift, ceiling, 0);
       // A turn too small to matter against the lift is left to the test below.
       if (slope * prism.side[1].dot(prism.corner[1] - p) > 0.1 * lift) {
@@ -300,7 +335,7 @@ bool CageEditor::cones_hold(const Patch& patch, const Point& p) const {
 bool CageEditor::keeps_representatives(const Patch& patch, const Point& p) const {
   Eigen::AlignedBox3d box;
   box.extend(p);
-  for (int m = 0; m < patch.moved_count; ++m) box.extend(position_[patch.moved[m]]);
+  for (int m = 0; m < patch.replaced_count; ++m) box.extend(patch.replaced[m]);
   for (const RingEdge& edge : patch.ring) box.extend(position_[edge.a]);
   std::vector<Point>& points = scratch_.representatives;
   points.clear();
@@ -337,7 +372,7 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
     const BoxFilter filter = obstacle_.near(prism, clearance);
     bool clear = true;
     tree_.traverse(filter, [&](std::int32_t t) {
-      if (!clear || mark_[t] == stamp_) return;
+      if (!clear || mark_[t] == stamp_ || triangle_[t][0] < 0) return;
       ++Obstacle::work();
       clear = separated({moved_vertex, edge.a, edge.b}, mine, triangle_[t], corners(t), clearance);
     });
@@ -346,13 +381,37 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
   return true;
 }
 
+void CageEditor::update_box(std::int32_t t) {
+  Eigen::AlignedBox3d box;
+  for (const std::int32_t v : triangle_[t]) box.extend(position_[v]);
+  tree_.update(t, box);
+}
+
+std::int32_t CageEditor::apply_split(std::int32_t u, std::int32_t v, const Point& position) {
+  Patch& patch = scratch_.patch;
+  if (!make_split_patch(u, v, patch)) assert(false);
+  if (used_ + 2 > triangle_.size()) rebuild_tree();
+  const auto p = static_cast<std::int32_t>(position_.size());
+  position_.push_back(position);
+  incident_.emplace_back();
+  for (const std::int32_t t : patch.old_triangles) {
+    for (const std::int32_t w : triangle_[t]) std::erase(incident_[w], t);
+  }
+  for (std::size_t i = 0; i < patch.ring.size(); ++i) {
+    const RingEdge& edge = patch.ring[i];
+    // The first of each old triangle's two takes its place.
+    const std::int32_t t = i % 2 == 0 ? edge.triangle : static_cast<std::int32_t>(used_++);
+    triangle_[t] = {p, edge.a, edge.b};
+    for (const std::int32_t w : triangle_[t]) incident_[w].push_back(t);
+    update_box(t);
+  }
+  face_count_ += 2;
+  return p;
+}
+
 void CageEditor::apply_move(std::int32_t vertex, const Point& position) {
   position_[vertex] = position;
-  for (const std::int32_t t : incident_[vertex]) {
-    Eigen::AlignedBox3d box;
-    for (const std::int32_t v : triangle_[t]) box.extend(position_[v]);
-    tree_.update(t, box);
-  }
+  for (const std::int32_t t : incident_[vertex]) update_box(t);
   if (++edits_ > face_count_ + 64) rebuild_tree();
 }
 

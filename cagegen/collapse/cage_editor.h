@@ -54,6 +54,11 @@ class CageEditor {
   std::optional<VertexPlacement> plan_tightening(std::int32_t vertex, double reach);
   void apply_move(std::int32_t vertex, const Point& position);
 
+  /// Plans a new vertex on an edge, moved to where the cage encloses less: two triangles more. `reach` limits the move.
+  std::optional<VertexPlacement> plan_split(std::int32_t u, std::int32_t v, double reach);
+  /// Returns the new vertex.
+  std::int32_t apply_split(std::int32_t u, std::int32_t v, const Point& position);
+
   /// The cage with unused vertices dropped, in a fixed order.
   TriangleMesh extract() const;
 
@@ -67,8 +72,8 @@ class CageEditor {
   struct Patch {
     std::vector<RingEdge> ring;
     std::vector<std::int32_t> old_triangles;
-    std::array<std::int32_t, 2> moved{-1, -1};  ///< the vertices that p replaces
-    int moved_count = 0;
+    std::array<Point, 2> replaced;  ///< vertices, or the middle of an edge, in whose place p comes
+    int replaced_count = 0;
   };
   /// Buffers that one plan leaves to the next, so that plans do not allocate.
   struct Scratch {
@@ -91,6 +96,8 @@ class CageEditor {
 
   bool make_collapse_patch(std::int32_t u, std::int32_t v, Patch& patch) const;
   void make_vertex_patch(std::int32_t vertex, Patch& patch) const;
+  bool make_split_patch(std::int32_t u, std::int32_t v, Patch& patch) const;
+  std::optional<VertexPlacement> plan_inward(const Patch& patch, double reach);
   Objective objective(const Patch& patch, double quadric_weight) const;
   std::optional<Point> place(const Patch& patch, const Eigen::Matrix3d& a, const Point& b, const Point& centre);
   bool acceptable(const Patch& patch, const Point& p) const;
@@ -102,6 +109,7 @@ class CageEditor {
     return {position_[triangle_[t][0]], position_[triangle_[t][1]], position_[triangle_[t][2]]};
   }
   void rebuild_tree();
+  void update_box(std::int32_t t);
 
   const Obstacle& obstacle_;
   EditorOptions options_;
@@ -111,6 +119,7 @@ class CageEditor {
   std::int64_t face_count_ = 0;
   TriangleTree tree_;
   std::int64_t built_for_ = 0;
+  std::size_t used_ = 0;  ///< of triangle_; those behind are spare, for splits
   std::int64_t edits_ = 0;
   double rounding_ = 0;  ///< error of rounding a vertex to float32
   mutable Scratch scratch_;

@@ -87,15 +87,14 @@ void raise_above(const Obstacle& obstacle, const TriangleMesh& base, double heig
   }
 }
 
-/// For each vertex the shortest move that lifts the planes of all its triangles by one.
-std::vector<Point> unit_lifts(const TriangleMesh& base) {
+/// For each vertex the shortest move that lifts the planes of all its triangles by one, at most `longest`.
+std::vector<Point> unit_lifts(const TriangleMesh& base, double longest) {
   std::vector<std::vector<Point>> normals(static_cast<std::size_t>(base.vertices.rows()));
   for (std::int64_t t = 0; t < base.triangles.rows(); ++t) {
     const Prism prism(corners(base, t));
     if (!prism.valid) continue;
     for (int k = 0; k < 3; ++k) normals[base.triangles(t, k)].push_back(prism.normal);
   }
-  constexpr double longest = 4;
   std::vector<Point> lifts(normals.size(), Point::Zero());
   std::vector<LinearConstraint> planes;
   for (std::size_t v = 0; v < normals.size(); ++v) {
@@ -145,10 +144,12 @@ void smooth(TriangleMesh& mesh, const std::vector<bool>& chosen) {
 std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const TriangleMesh& surface, double height,
                                          bool grow, double clearance) {
   const int rounds = grow ? 14 : 5;
+  // The obstacle's own corners have to be left however far that is; those of a likeness can be smoothed away.
+  const double longest = grow ? 4 : 40;
   TriangleMesh base = surface;
   TriangleMesh cage = surface;
   const std::size_t vertex_count = static_cast<std::size_t>(base.vertices.rows());
-  std::vector<Point> lifts = unit_lifts(base);
+  std::vector<Point> lifts = unit_lifts(base, longest);
   std::vector<double> heights(vertex_count, height);
   std::vector<bool> moved(vertex_count, true);
   std::vector<int> deep_rounds(vertex_count, 0);
@@ -191,7 +192,7 @@ std::optional<TriangleMesh> offset_start(const Obstacle& obstacle, const Triangl
         heights[v] *= grow ? 1.6 : 0.5;
       }
     }
-    if (smooths) lifts = unit_lifts(base);
+    if (smooths) lifts = unit_lifts(base, longest);
     for (std::size_t t = 0; t < dirty.size(); ++t) {
       const auto corner = indices(base, static_cast<std::int64_t>(t));
       dirty[t] = false;

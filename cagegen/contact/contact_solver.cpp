@@ -101,7 +101,10 @@ TriangleMesh ContactSolver::mesh() const {
   return mesh;
 }
 
-ContactSolver::Positions ContactSolver::approach(const Obstacle& obstacle, const Positions& wanted) {
+ContactSolver::Positions ContactSolver::approach(const Obstacle& obstacle, const Positions& wanted,
+                                                 const std::vector<double>& weights) {
+  mobility_.assign(position_.size(), 1);
+  for (std::size_t v = 0; v < weights.size(); ++v) mobility_[v] = 1 / weights[v];
   const Step step{obstacle, obstacle, false, 0};
   Positions y;
   resolve(step, wanted, y);
@@ -112,6 +115,7 @@ ContactSolver::Positions ContactSolver::approach(const Obstacle& obstacle, const
 std::optional<ContactSolver::Positions> ContactSolver::follow(const Obstacle& before, const Obstacle& after,
                                                               const Positions& wanted, double reach) {
   const Step step{before, after, true, reach};
+  mobility_.assign(position_.size(), 1);
   Positions y;
   jammed_.clear();
   if (resolve(step, wanted, y)) return y;
@@ -202,19 +206,29 @@ void ContactSolver::add_obstacle_contact(const Step& step, const Pair& pair, boo
     strict_.push_back(pair);
     const double highest = std::max({normal.dot(target[0]), normal.dot(target[1]), normal.dot(target[2])});
     for (int k = 0; k < 3; ++k) {
-      Contact c{pair, normal, {}, {}, 1, highest + gap, 1, 0};
+      Contact c{pair, normal, {}, {}, 1, highest + gap};
       c.vertex[0] = face_[pair.face][k];
       c.weight[0] = 1;
-      contacts_.push_back(c);
+      add(c);
     }
     return;
   }
-  Contact c{pair, normal, {}, {}, 3, normal.dot(at(target, closest.weight_t)) + gap, 0, 0};
+  Contact c{pair, normal, {}, {}, 3, normal.dot(at(target, closest.weight_t)) + gap};
   for (int k = 0; k < 3; ++k) {
     c.vertex[k] = face_[pair.face][k];
     c.weight[k] = closest.weight_s[k];
-    c.norm2 += c.weight[k] * c.weight[k];
   }
+  add(c);
+}
+
+void ContactSolver::add(Contact& c) {
+  double move2 = 0;
+  for (int k = 0; k < c.count; ++k) {
+    const double move = c.weight[k] * mobility_[c.vertex[k]];
+    c.response += c.weight[k] * move;
+    move2 += move * move;
+  }
+  c.move = std::sqrt(move2);
   contacts_.push_back(c);
 }
 
@@ -237,25 +251,24 @@ void ContactSolver::add_self_contact(const Pair& pair, bool strict) {
     }
     return;
   }
-  Contact c{pair, across / distance, {}, {}, 6, gap, 0, 0};
+  Contact c{pair, across / distance, {}, {}, 6, gap};
   for (int k = 0; k < 3; ++k) {
     c.vertex[k] = index_s[k];
     c.weight[k] = closest.weight_s[k];
     c.vertex[3 + k] = index_t[k];
     c.weight[3 + k] = -closest.weight_t[k];
   }
-  for (int k = 0; k < c.count; ++k) c.norm2 += c.weight[k] * c.weight[k];
-  contacts_.push_back(c);
+  add(c);
 }
 
 /// Vertex a stays above vertex b.
 void ContactSolver::add_pair(const Pair& pair, const Point& normal, std::int32_t a, std::int32_t b, double gap) {
-  Contact c{pair, normal, {}, {}, 2, gap, 2, 0};
+  Contact c{pair, normal, {}, {}, 2, gap};
   c.vertex[0] = a;
   c.weight[0] = 1;
   c.vertex[1] = b;
   c.weight[1] = -1;
-  contacts_.push_back(c);
+  add(c);
 }
 
 void ContactSolver::add_all_near(const Step& step) {
@@ -288,7 +301,9 @@ void ContactSolver::project(const Positions& wanted, int sweeps, Positions& y) {
   y = wanted;
   for (const Contact& c : contacts_) {
     if (c.multiplier == 0) continue;
-    for (int k = 0; k < c.count; ++k) y[c.vertex[k]] += c.multiplier * c.weight[k] * c.normal;
+    for (int k = 0; k < c.count; ++k) {
+      y[c.vertex[k]] += c.multiplier * c.weight[k] * mobility_[c.vertex[k]] * c.normal;
+    }
   }
   const double tolerance = 0.15 * options_.clearance;
   const double least = 0.1 * tolerance;  // changes below it are not worth their consequences
@@ -305,14 +320,14 @@ void ContactSolver::project(const Positions& wanted, int sweeps, Positions& y) {
       seen_at_[i] = now;
       double value = 0;
       for (int k = 0; k < c.count; ++k) value += c.weight[k] * c.normal.dot(y[c.vertex[k]]);
-      const double change = std::max((c.offset - value) / c.norm2, -c.multiplier);
-      const double length = std::abs(change) * std::sqrt(c.norm2);
+      const double change = std::max((c.offset - value) / c.response, -c.multiplier);
+      const double length = std::abs(change) * c.move;
       if (length <= least) continue;
       worst = std::max(worst, length);
       ++now;
       c.multiplier += change;
       for (int k = 0; k < c.count; ++k) {
-        y[c.vertex[k]] += change * c.weight[k] * c.normal;
+        y[c.vertex[k]] += change * c.weight[k] * mobility_[c.vertex[k]] * c.normal;
         moved_at_[c.vertex[k]] = now;
       }
       seen_at_[i] = now;

@@ -40,8 +40,8 @@ class ContactSolver {
   const std::array<std::int32_t, 3>& face(std::size_t f) const { return face_[f]; }
 
   /// A valid state as near to `wanted` as the contacts allow, with the obstacle at rest; vertices that would still
-  /// touch stay where they are.
-  Positions approach(const Obstacle& obstacle, const Positions& wanted);
+  /// touch stay where they are. `weights`, one a vertex, weigh the squares of the distances; empty: all alike.
+  Positions approach(const Obstacle& obstacle, const Positions& wanted, const std::vector<double>& weights = {});
 
   /// The same while the obstacle, one mesh, moves from `before`, where the present state is valid, to `after`. No value
   /// if faces still touch; jammed() then lists them. A `reach` above 0 puts planes between all triangles nearer than
@@ -78,8 +78,9 @@ class ContactSolver {
     std::array<double, 6> weight;
     int count;
     double offset;
-    double norm2;
-    double multiplier;
+    double multiplier = 0;
+    double response = 0;  ///< change of the distance for a multiplier of 1
+    double move = 0;      ///< length by which the vertices move for a multiplier of 1
   };
 
   struct Step {
@@ -95,6 +96,7 @@ class ContactSolver {
   bool resolve(const Step& step, const Positions& wanted, Positions& y);
   void project(const Positions& wanted, int sweeps, Positions& y);
   void add_contact(const Step& step, const Pair& pair, bool strict);
+  void add(Contact& c);
   void add_obstacle_contact(const Step& step, const Pair& pair, bool strict);
   void add_self_contact(const Pair& pair, bool strict);
   void add_pair(const Pair& pair, const Point& normal, std::int32_t a, std::int32_t b, double gap);
@@ -119,6 +121,7 @@ class ContactSolver {
   std::vector<Pair> known_;  ///< pairs with a contact, sorted
   std::vector<Pair> strict_;
   std::vector<Contact> contacts_;
+  std::vector<double> mobility_;        ///< per vertex: 1 / weight
   std::vector<std::int64_t> moved_at_;  ///< per vertex: the change in project() that moved it last
   std::vector<std::int64_t> seen_at_;   ///< per contact: the change after which it was looked at
   std::vector<std::int32_t> jammed_;

@@ -35,6 +35,22 @@ double edge_length(const ContactSolver& solver) {
   return std::sqrt(area / static_cast<double>(solver.face_count()));
 }
 
+/// Weights of the vertices with which `direction` is the steepest descent: contacts then stop the cage where the energy
+/// has a minimum, and not where vertices push equally hard. All are 1 in the mean.
+std::vector<double> metric(const Vertices& gradient, const Vertices& direction) {
+  constexpr double least = 1e-3;  // of the mean
+  std::vector<double> weights(static_cast<std::size_t>(gradient.rows()), 0);
+  double sum = 0;
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    const double length = direction.row(static_cast<std::int64_t>(v)).norm();
+    if (length > 0) weights[v] = gradient.row(static_cast<std::int64_t>(v)).norm() / length;
+    sum += weights[v];
+  }
+  const double mean = sum > 0 ? sum / static_cast<double>(weights.size()) : 1;
+  for (double& w : weights) w = std::max(w / mean, least);
+  return weights;
+}
+
 }  // namespace
 
 Vertices checked_descent(const CageEnergy& energy, const EnergyState& state) {
@@ -70,13 +86,14 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
     // edge length does as well.
     if (step < 0) step = request.energy->first_step().value_or(usual_first_step * edge_length(solver) / longest);
     if (step * longest < solver.options().clearance * 0.3) break;
-    const double slope = -(request.energy->gradient(state(cage)).array() * direction.array()).sum();
+    const Vertices gradient = request.energy->gradient(state(cage));
+    const double slope = -(gradient.array() * direction.array()).sum();
     ContactSolver::Positions wanted = solver.positions();
     for (std::size_t v = 0; v < wanted.size(); ++v) {
       wanted[v] += step * direction.row(static_cast<std::int64_t>(v)).transpose();
       if (!last.empty()) wanted[v] += momentum_factor * (solver.positions()[v] - last[v]);
     }
-    ContactSolver::Positions next = solver.approach(obstacle, wanted);
+    ContactSolver::Positions next = solver.approach(obstacle, wanted, metric(gradient, direction));
     const Vertices next_cage = to_matrix(next);
     const double before = value;
     const double after = request.energy->value(state(next_cage));
@@ -95,13 +112,15 @@ void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeReq
   }
 }
 
-TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, const ContactSolverOptions& options) {
+TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, const ContactSolverOptions& options,
+                    int iterations) {
   ContactSolver solver(cage, options);
   const EnergyPtr volume = volume_energy();
   MinimizeRequest request;
   request.fine = &cage;
   request.rest = &cage;
   request.energy = volume.get();
+  request.iterations = iterations;
   minimize(solver, obstacle, request);
   return solver.mesh();
 }

@@ -29,6 +29,7 @@ Vertices checked_descent(const CageEnergy& energy, const EnergyState& state);
 void minimize(ContactSolver& solver, const Obstacle& obstacle, const MinimizeRequest& request);
 
 /// The same for the volume, with cage as its own rest. The result encloses no more than `cage`.
-TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, const ContactSolverOptions& options);
+TriangleMesh shrink(const Obstacle& obstacle, const TriangleMesh& cage, const ContactSolverOptions& options,
+                    int iterations = 40);
 
 }  // namespace encage::makers

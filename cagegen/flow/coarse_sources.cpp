@@ -7,12 +7,18 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace encage::makers {
 
 namespace {
 
+
+constexpr std::int64_t dense_faces = 12;  // of the target's: what a decimation begins with
+constexpr std::int64_t most_wrapped = 10'000;  // triangles up to which wraps flow too where others compete
 constexpr double part_gap = 10;  // clearances between parts of a coarse mesh
 
 /// Parts inside others, and voids, are not worth a cage's triangles.
@@ -22,6 +28,23 @@ std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
   if (mesh->triangles.rows() < 4) return std::nullopt;
   round_vertices(*mesh);
   return mesh;
+}
+
+/// The mesh with `faces` triangles at most, quickly, if that loses none of its components; else the mesh.
+TriangleMesh thinned(const TriangleMesh& mesh, std::int64_t faces) {
+  if (mesh.triangles.rows() <= 2 * faces) return mesh;
+  const TriangleMesh thin = simplify(mesh, faces);
+  std::vector<std::int32_t> label;
+  const auto components = static_cast<std::size_t>(triangle_components(mesh, label));
+  std::vector<std::pair<std::int64_t, std::size_t>> size(static_cast<std::size_t>(triangle_components(thin, label)));
+  if (size.size() < components) return mesh;
+  // Where two strands came together, slivers were pinched off.
+  for (std::size_t c = 0; c < size.size(); ++c) size[c].second = c;
+  for (const std::int32_t c : label) --size[c].first;
+  std::sort(size.begin(), size.end());
+  std::vector<bool> kept(size.size(), false);
+  for (std::size_t i = 0; i < components; ++i) kept[size[i].second] = true;
+  return keep_components(thin, label, kept);
 }
 
 }  // namespace
@@ -56,12 +79,19 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRe
     return sources;
   }
   if (request.manifold && request.topology != Topology::simplify) {
+    // Each decimation needs it; the first one makes it.
+    const auto fine = std::make_shared<std::optional<TriangleMesh>>();
+    const auto dense = [=, &request]() -> const TriangleMesh& {
+      if (!*fine) *fine = thinned(*request.clean, dense_faces * request.faces);
+      return **fine;
+    };
     for (const auto& [name, kind] : {std::pair{"regular", Decimation::regular}, {"adaptive", Decimation::adaptive}}) {
       sources.push_back(
-          {name, [=, &request] { return usable(decimate(*request.clean, request.faces, kind, gap, check)); }});
+          {name, [=, &request] { return usable(decimate(dense(), request.faces, kind, gap, check)); }});
     }
   }
   if (request.topology == Topology::keep) return sources;
+  if (choices.competes && request.faces > compete_faces && request.inner->triangles.rows() > most_wrapped) return sources;
   const double fine = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 20;
   for (const double parameter : {100.0, 50.0, 20.0, 10.0, 5.0}) {
     if (parameter > fine) continue;

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cagegen/flow/flow_level.h"
+#include "cagegen/flow/flow_maker.h"
 
 #include <encage/mesh.h>
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace encage::makers {
+
+/// Up to so many faces all coarse meshes are nested, and the tightest is kept.
+constexpr std::int64_t compete_faces = 300;
 
 /// One way to make a coarse mesh.
 struct CoarseSource {

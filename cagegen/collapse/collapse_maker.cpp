@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/collapse/collapse_level.h"
+#include "cagegen/collapse/collapse_maker.h"
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/collapse.h"
 #include "cagegen/collapse/convex_starts.h"
+#include "cagegen/collapse/finish.h"
 #include "cagegen/collapse/starts.h"
-#include "cagegen/contact/minimize.h"
 #include "cagegen/threads/parallel.h"
 
-#include <encage/error.h>
-
 #include <algorithm>
+#include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -126,7 +125,7 @@ std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, c
 EditorOptions editor_options(const LevelRequest& request) {
   EditorOptions options;
   options.clearance = request.clearance;
-  options.self_clearance = self_clearances * request.clearance;
+  options.self_clearance = request.self_clearance;
   options.quadric_weight = collapse_quadric_weight;
   return options;
 }
@@ -158,12 +157,16 @@ std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelR
   }
   if (!reached) return std::nullopt;
   tighten(editor);
-  Candidate candidate{editor.extract(), 0, name(start), is_convex(start)};
+  Candidate candidate;
+  candidate.cage = editor.extract();
+  if (!is_convex(start)) settle(obstacle, request, control, candidate);
   candidate.volume = signed_volume(candidate.cage);
+  candidate.start = name(start);
+  candidate.method = is_convex(start) ? Method::hull : Method::collapse;
   return candidate;
 }
 
-/// Runs the starts of a phase, as many at a time as there are threads; the smallest cage first.
+/// Runs the starts of a phase, as many at a time as there are threads.
 std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, const LevelRequest& request,
                                Control& control) {
   std::vector<std::optional<Candidate>> results(phase.size());
@@ -184,71 +187,62 @@ std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, con
   for (std::optional<Candidate>& result : results) {
     if (result) candidates.push_back(std::move(*result));
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
   return candidates;
 }
 
-Candidate finish(const Candidate& candidate, const Obstacle& obstacle, const LevelRequest& request, Control& control) {
-  CageEditor editor(obstacle, candidate.cage, editor_options(request));
-  tighten(editor);
-  ContactSolverOptions options;
-  options.clearance = request.clearance;
-  options.self_clearance = self_clearances * request.clearance;
-  options.threads = request.threads;
-  options.check = [&] { control.throw_if_cancelled(); };
-  Candidate finished{editor.extract(), 0, candidate.start, candidate.convex};
-  // Steps get shorter as they jam; starting over with long ones frees coarse cages again. Worth the time where the cage
-  // is small beside what it encloses.
-  const bool small = request.faces <= 1000 || request.clean->triangles.rows() > 20 * request.faces;
-  for (int pass = 0; pass < (small ? 3 : 1); ++pass) {
-    finished.cage = shrink(obstacle, finished.cage, options);
-  }
-  finished.volume = signed_volume(finished.cage);
-  return finished;
-}
+class ConvexMaker : public CandidateMaker {
+ public:
+  ConvexMaker(const Obstacle& obstacle, const LevelRequest& request, Control& control)
+      : obstacle_(obstacle), request_(request), control_(control) {}
 
-std::optional<LevelResult> accepted(Candidate candidate, const Obstacle& obstacle, const LevelRequest& request,
-                                    Control& control, const Accept& accept) {
-  Candidate finished = finish(candidate, obstacle, request, control);
-  if (auto certificate = accept(finished)) return LevelResult{std::move(finished), std::move(*certificate), {}};
-  if (auto certificate = accept(candidate)) return LevelResult{std::move(candidate), std::move(*certificate), {}};
-  return std::nullopt;
-}
+  std::vector<Candidate> next() override {
+    if (std::exchange(done_, true)) return {};
+    return compete(convex_starts(request_), obstacle_, request_, control_);
+  }
+  void finish(Candidate& candidate) override { finish_by_volume(obstacle_, request_, control_, candidate); }
+  std::string failure() const override { return "the certificate refuses the convex cages"; }
+
+ private:
+  const Obstacle& obstacle_;
+  const LevelRequest& request_;
+  Control& control_;
+  bool done_ = false;
+};
+
+class CollapseMaker : public CandidateMaker {
+ public:
+  CollapseMaker(const Obstacle& obstacle, const LevelRequest& request, Control& control)
+      : obstacle_(obstacle), request_(request), control_(control), phases_(portfolio(request)) {}
+
+  std::vector<Candidate> next() override {
+    while (phase_ < phases_.size()) {
+      auto candidates = compete(phases_[phase_++], obstacle_, request_, control_);
+      if (!candidates.empty()) return candidates;
+    }
+    return {};
+  }
+  void finish(Candidate& candidate) override { finish_by_volume(obstacle_, request_, control_, candidate); }
+  std::string failure() const override {
+    return "no cage of " + std::to_string(request_.faces) + " faces keeps the topology of the level before";
+  }
+
+ private:
+  const Obstacle& obstacle_;
+  const LevelRequest& request_;
+  Control& control_;
+  std::vector<Phase> phases_;
+  std::size_t phase_ = 0;
+};
 
 }  // namespace
 
-LevelResult collapse_level(const Obstacle& obstacle, const LevelRequest& request, Control& control,
-                           const Accept& accept) {
-  std::vector<Candidate> convex;
-  if (request.topology != Topology::keep) convex = compete(convex_starts(request), obstacle, request, control);
-  const auto tightest_convex = [&]() -> std::optional<LevelResult> {
-    std::optional<LevelResult> result;
-    for (std::size_t i = 0; i < convex.size() && !result; ++i) {
-      result = accepted(std::move(convex[i]), obstacle, request, control, accept);
-    }
-    convex.clear();
-    return result;
-  };
-  for (const Phase& phase : portfolio(request)) {
-    for (Candidate& candidate : compete(phase, obstacle, request, control)) {
-      if (!convex.empty() && convex.front().volume < candidate.volume) {
-        if (auto result = tightest_convex()) return std::move(*result);
-      }
-      if (auto result = accepted(std::move(candidate), obstacle, request, control, accept)) return std::move(*result);
-    }
-  }
-  if (auto result = tightest_convex()) return std::move(*result);
-  throw Error("no cage of " + std::to_string(request.faces) + " faces keeps the topology of the level before");
+std::unique_ptr<CandidateMaker> collapse_maker(const Obstacle& obstacle, const LevelRequest& request,
+                                               Control& control) {
+  return std::make_unique<CollapseMaker>(obstacle, request, control);
 }
 
-std::optional<LevelResult> convex_level(const Obstacle& obstacle, const LevelRequest& request, double volume,
-                                        Control& control, const Accept& accept) {
-  for (Candidate& candidate : compete(convex_starts(request), obstacle, request, control)) {
-    if (candidate.volume >= volume) break;
-    if (auto result = accepted(std::move(candidate), obstacle, request, control, accept)) return result;
-  }
-  return std::nullopt;
+std::unique_ptr<CandidateMaker> convex_maker(const Obstacle& obstacle, const LevelRequest& request, Control& control) {
+  return std::make_unique<ConvexMaker>(obstacle, request, control);
 }
 
 }  // namespace encage::makers

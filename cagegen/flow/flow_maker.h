@@ -6,6 +6,7 @@
 #include <encage/decimator.h>
 #include <encage/energy.h>
 
+#include <memory>
 #include <string>
 
 namespace encage::makers {
@@ -19,12 +20,14 @@ struct FlowChoices {
   EnergyPtr inflate;                         ///< never null
   EnergyPtr final;                           ///< never null
   FlowPath path = FlowPath::straight;
+  /// Other cages compete: what they do better is left to them (alpha wraps, but for small cages), and a flow that stalls
+  /// is given up soon.
+  bool competes = false;
 };
 
-/// Makes a level by flow and re-inflation: decimates, lets F flow into the coarse mesh, moves it back while the cage
-/// gives way, minimises the final energy, and asks `accept`. The same for any number of threads. Throws Error, which
-/// says why the last coarse mesh could not be nested, and Cancelled.
-LevelResult flow_level(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices,
-                       Control& control, const Accept& accept);
+/// Makes cages by flow and re-inflation: decimates, lets F flow into the coarse mesh, moves it back while the cage gives
+/// way, and minimises the final energy. Refers to its arguments.
+std::unique_ptr<CandidateMaker> flow_maker(const Obstacle& obstacle, const LevelRequest& request,
+                                           const FlowChoices& choices, Control& control);
 
 }  // namespace encage::makers

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cagegen/flow/flow_level.h"
+#include "cagegen/flow/flow_maker.h"
 
-#include "cagegen/collapse/collapse.h"
+#include "cagegen/collapse/finish.h"
 #include "cagegen/contact/minimize.h"
 #include "cagegen/flow/coarse_sources.h"
 #include "cagegen/flow/expand.h"
 #include "cagegen/flow/flow.h"
 #include "cagegen/flow/reinflate.h"
-
-#include <encage/error.h>
 
 #include <algorithm>
 #include <chrono>
@@ -31,9 +29,9 @@ constexpr double flow_share = 0.25;
 constexpr double inflate_share = 0.4;
 constexpr int flow_steps = 150;
 constexpr int most_expansions = 10;
+constexpr int competing_expansions = 2;
 constexpr int expansion_patience = 3;
 constexpr double expansion_reach = 1e-2;     // diagonals, of one expansion
-constexpr std::int64_t compete_faces = 300;  // faces up to which all coarse meshes are nested, and the tightest kept
 constexpr double far_motion = 0.12;  // sizes of a coarse triangle, beyond which a wrap competes with decimations
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -42,40 +40,61 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 struct Flowed {
   Flowed(const TriangleMesh& coarse, FlowResult in) : cage(coarse), flow(std::move(in)) {}
 
-  LevelResult result;  ///< with its start and undeformed mesh
-  TriangleMesh cage;   ///< expanded where the flow stalled
+  Candidate candidate;  ///< with its start and undeformed mesh
+  TriangleMesh cage;    ///< expanded where the flow stalled
   FlowResult flow;
   double moved = 0;  ///< how far vertices of F are from home, on average
 };
 
 using FlowedPtr = std::unique_ptr<Flowed>;
 
-class FlowLevel {
+class FlowMaker : public CandidateMaker {
  public:
-  FlowLevel(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices, Control& control)
-      : obstacle_(obstacle), request_(request), choices_(choices), control_(control) {}
+  FlowMaker(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices, Control& control)
+      : obstacle_(obstacle),
+        request_(request),
+        choices_(choices),
+        control_(control),
+        sources_(coarse_sources(obstacle, request, choices_, [this] { control_.throw_if_cancelled(); })) {}
 
-  LevelResult run(const Accept& accept) {
-    const auto check = [this] { control_.throw_if_cancelled(); };
-    const std::vector<CoarseSource> sources = coarse_sources(obstacle_, request_, choices_, check);
+  std::vector<Candidate> next() override {
     const bool compete = request_.faces <= compete_faces;
-    std::size_t next = 0;
-    while (next < sources.size()) {
+    while (next_ < sources_.size()) {
       std::vector<FlowedPtr> flowed;
       done_ = 0;
-      share_ = compete ? 1.0 / static_cast<double>(sources.size()) : 1;
+      share_ = compete ? 1.0 / static_cast<double>(sources_.size()) : 1;
       do {
-        flow_in_group(sources, next, flowed);
-      } while (compete && next < sources.size() && !sources[next].last_resort);
-      const bool doubtful = !compete && next < sources.size() && moved_far(flowed);
+        flow_in_group(flowed);
+      } while (compete && next_ < sources_.size() && !sources_[next_].last_resort);
+      const bool doubtful = !compete && next_ < sources_.size() && moved_far(flowed);
       if (doubtful) {
-        flow_in_group(sources, next, flowed);
+        flow_in_group(flowed);
         share_ = 1.0 / static_cast<double>(flowed.size());
       }
-      if (auto result = nest(std::move(flowed), compete || doubtful, accept)) return std::move(*result);
+      auto candidates = nest(std::move(flowed), compete || doubtful);
+      if (!candidates.empty()) return candidates;
     }
-    throw Error(failure_);
+    return {};
   }
+
+  void finish(Candidate& candidate) override {
+    const auto start = Clock::now();
+    const bool volume = choices_.final == volume_energy();
+    if (volume && choices_.coarse == nullptr && !choices_.decimator) {
+      finish_by_volume(obstacle_, request_, control_, candidate);
+    } else {
+      // Long steps again, which frees coarse cages.
+      for (int pass = 0; pass < (request_.faces <= 1000 ? 2 : 0); ++pass) {
+        ContactSolver solver(candidate.cage, contact_options());
+        minimize_final(solver, candidate.undeformed);
+        candidate.cage = solver.mesh();
+      }
+      candidate.volume = signed_volume(candidate.cage);
+    }
+    candidate.reinflate_seconds += seconds_since(start);
+  }
+
+  std::string failure() const override { return failure_; }
 
  private:
   /// `fraction` of what there is to do with one coarse mesh.
@@ -86,18 +105,18 @@ class FlowLevel {
     failure_ = source + ": " + reason;
   }
 
-  void note(const LevelResult& result, const std::string& what, int times) const {
+  void note(const Candidate& candidate, const std::string& what, int times) const {
     if (!request_.log) return;
-    request_.log("coarse mesh '" + result.candidate.start + "': " + what + " " + std::to_string(times) +
+    request_.log("coarse mesh '" + candidate.start + "': " + what + " " + std::to_string(times) +
                  (times == 1 ? " time" : " times"));
   }
 
-  /// F flowed into all sources of a group, from `next` on.
-  void flow_in_group(const std::vector<CoarseSource>& sources, std::size_t& next, std::vector<FlowedPtr>& flowed) {
-    const int group = sources[next].group;
-    for (; next < sources.size() && sources[next].group == group; ++next) {
+  /// F flowed into all sources of the next group.
+  void flow_in_group(std::vector<FlowedPtr>& flowed) {
+    const int group = sources_[next_].group;
+    for (; next_ < sources_.size() && sources_[next_].group == group; ++next_) {
       report(0);
-      if (auto in = flow_in(sources[next])) flowed.push_back(std::move(in));
+      if (auto in = flow_in(sources_[next_])) flowed.push_back(std::move(in));
     }
     // The less F had to move, the tighter the cage will be.
     std::stable_sort(flowed.begin(), flowed.end(),
@@ -108,7 +127,7 @@ class FlowLevel {
   bool moved_far(const std::vector<FlowedPtr>& flowed) const {
     if (flowed.empty()) return false;
     double area = 0;
-    const TriangleMesh& mesh = flowed.front()->result.undeformed;
+    const TriangleMesh& mesh = flowed.front()->candidate.undeformed;
     for (std::int64_t t = 0; t < mesh.triangles.rows(); ++t) {
       area += (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm() / 2;
     }
@@ -127,49 +146,35 @@ class FlowLevel {
     report(decimate_share);
     const auto start = Clock::now();
     auto in = std::make_unique<Flowed>(*coarse, flow_into(*request_.inner, *coarse, flow_steps));
-    in->result.candidate.start = source.name;
-    in->result.undeformed = std::move(*coarse);
+    in->candidate.start = source.name;
+    in->candidate.undeformed = std::move(*coarse);
     const int expansions = in->flow.inside ? 0 : expand_and_flow(in->cage, in->flow);
-    in->result.flow_seconds = seconds_since(start);
+    in->candidate.flow_seconds = seconds_since(start);
     if (!in->flow.inside) {
       fail(source.name, "the flow stalls: " + std::to_string(in->flow.stuck.size()) + " triangles stay outside after " +
                             std::to_string(in->flow.history.steps()) + " steps, also with the coarse mesh expanded " +
                             std::to_string(expansions) + " times");
       return nullptr;
     }
-    if (in->flow.smoothing_steps > 0) note(in->result, "the flowing mesh was smoothed", in->flow.smoothing_steps);
-    if (expansions > 0) note(in->result, "the flow stalled and the coarse mesh was expanded", expansions);
+    if (in->flow.smoothing_steps > 0) note(in->candidate, "the flowing mesh was smoothed", in->flow.smoothing_steps);
+    if (expansions > 0) note(in->candidate, "the flow stalled and the coarse mesh was expanded", expansions);
+    in->candidate.method = Method::flow;
     in->moved = (in->flow.positions - request_.inner->vertices).rowwise().norm().mean();
     return in;
   }
 
-  /// The first of them that can be nested, or (`all`) the tightest.
-  std::optional<LevelResult> nest(std::vector<FlowedPtr> flowed, bool all, const Accept& accept) {
-    std::vector<LevelResult> nested;
-    const auto settle = [&]() -> std::optional<LevelResult> {
-      std::stable_sort(nested.begin(), nested.end(), [](const LevelResult& a, const LevelResult& b) {
-        return a.candidate.volume < b.candidate.volume;
-      });
-      for (LevelResult& result : nested) {
-        finish(result);
-        if (auto certificate = accept(result.candidate)) {
-          result.certificate = std::move(*certificate);
-          return std::move(result);
-        }
-        fail(result.candidate.start, "the certificate refuses the cage");
-      }
-      nested.clear();
-      return std::nullopt;
-    };
-    for (FlowedPtr& candidate : flowed) {
-      if (inflate(*candidate)) nested.push_back(std::move(candidate->result));
+  /// The first of them that can be nested, or (`all`) all that can.
+  std::vector<Candidate> nest(std::vector<FlowedPtr> flowed, bool all) {
+    std::vector<Candidate> nested;
+    for (FlowedPtr& in : flowed) {
+      if (inflate(*in)) nested.push_back(std::move(in->candidate));
       if (all) {
         done_ += share_;
-      } else if (auto result = settle()) {
-        return result;
+      } else if (!nested.empty()) {
+        break;
       }
     }
-    return settle();
+    return nested;
   }
 
   double flow_gap() const { return std::max(least_flow_gap * request_.diagonal, flow_clearances * request_.clearance); }
@@ -180,7 +185,8 @@ class FlowLevel {
     std::size_t fewest = flowed.stuck.size();
     int last_gain = 0;
     int expansions = 0;
-    while (!flowed.inside && expansions < most_expansions && expansions < last_gain + expansion_patience) {
+    const int most = choices_.competes ? competing_expansions : most_expansions;
+    while (!flowed.inside && expansions < most && expansions < last_gain + expansion_patience) {
       fine.vertices = flowed.positions;
       cage = expand(cage, fine, flowed.stuck, flow_gap(), expansion_reach * request_.diagonal, contact_options());
       FlowResult more = flow_into(fine, cage, flow_steps / 3);
@@ -211,14 +217,14 @@ class FlowLevel {
 
   bool inflate(Flowed& flowed) {
     const auto start = Clock::now();
-    LevelResult& result = flowed.result;
+    Candidate& candidate = flowed.candidate;
     Obstacle inside = obstacle_;
     inside.move(flowed.flow.positions);
-    drop_empty_parts(result.undeformed, flowed.cage, inside);
+    drop_empty_parts(candidate.undeformed, flowed.cage, inside);
     ContactSolver solver(flowed.cage, contact_options());
     ReinflateRequest reinflation;
     reinflation.fine = request_.inner;
-    reinflation.rest = &result.undeformed;
+    reinflation.rest = &candidate.undeformed;
     reinflation.flowed = &flowed.flow;
     reinflation.energy = choices_.inflate.get();
     reinflation.path = choices_.path;
@@ -226,15 +232,15 @@ class FlowLevel {
     reinflation.progress = [&](double fraction) { report(flow_share + fraction * (inflate_share - flow_share)); };
     const ReinflateResult reached = reinflate(solver, reinflation, obstacle_);
     if (!reached.reached) {
-      fail(result.candidate.start, reached.failure);
+      fail(candidate.start, reached.failure);
       return false;
     }
-    if (reached.slow_steps > 0) note(result, "followed by the slow solver", reached.slow_steps);
-    if (reached.reliefs > 0) note(result, "pinched, and relieved", reached.reliefs);
-    minimize_final(solver, result.undeformed);
-    result.candidate.cage = solver.mesh();
-    result.candidate.volume = signed_volume(result.candidate.cage);
-    result.reinflate_seconds = seconds_since(start);
+    if (reached.slow_steps > 0) note(candidate, "followed by the slow solver", reached.slow_steps);
+    if (reached.reliefs > 0) note(candidate, "pinched, and relieved", reached.reliefs);
+    minimize_final(solver, candidate.undeformed);
+    candidate.cage = solver.mesh();
+    candidate.volume = signed_volume(candidate.cage);
+    candidate.reinflate_seconds = seconds_since(start);
     return true;
   }
 
@@ -247,34 +253,10 @@ class FlowLevel {
     minimize(solver, obstacle_, minimization);
   }
 
-  /// More of the final energy, from long steps again, which frees coarse cages; for the volume, vertex by vertex too.
-  void finish(LevelResult& result) const {
-    const auto start = Clock::now();
-    TriangleMesh& cage = result.candidate.cage;
-    const bool volume = choices_.final == volume_energy();
-    const int passes = request_.faces <= 1000 ? 2 : 0;
-    for (int pass = 0; pass <= passes; ++pass) {
-      if (pass > 0) {
-        ContactSolver solver(cage, contact_options());
-        minimize_final(solver, result.undeformed);
-        cage = solver.mesh();
-      }
-      if (!volume) continue;
-      EditorOptions editing;
-      editing.clearance = request_.clearance;
-      editing.self_clearance = self_clearances * request_.clearance;
-      CageEditor editor(obstacle_, cage, editing);
-      tighten(editor);
-      cage = editor.extract();
-    }
-    result.candidate.volume = signed_volume(cage);
-    result.reinflate_seconds += seconds_since(start);
-  }
-
   ContactSolverOptions contact_options() const {
     ContactSolverOptions options;
     options.clearance = request_.clearance;
-    options.self_clearance = self_clearances * request_.clearance;
+    options.self_clearance = request_.self_clearance;
     options.threads = request_.threads;
     options.check = [this] { control_.throw_if_cancelled(); };
     return options;
@@ -282,8 +264,10 @@ class FlowLevel {
 
   const Obstacle& obstacle_;
   const LevelRequest& request_;
-  const FlowChoices& choices_;
+  const FlowChoices choices_;
   Control& control_;
+  std::vector<CoarseSource> sources_;
+  std::size_t next_ = 0;
   std::string failure_ = "no coarse mesh could be nested";
   double done_ = 0;
   double share_ = 1;
@@ -291,9 +275,9 @@ class FlowLevel {
 
 }  // namespace
 
-LevelResult flow_level(const Obstacle& obstacle, const LevelRequest& request, const FlowChoices& choices,
-                       Control& control, const Accept& accept) {
-  return FlowLevel(obstacle, request, choices, control).run(accept);
+std::unique_ptr<CandidateMaker> flow_maker(const Obstacle& obstacle, const LevelRequest& request,
+                                           const FlowChoices& choices, Control& control) {
+  return std::make_unique<FlowMaker>(obstacle, request, choices, control);
 }
 
 }  // namespace encage::makers

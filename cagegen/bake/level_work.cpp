@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/bake/level_work.h"
+
+#include "cagegen/bake/coarse_meshes.h"
+#include "cagegen/collapse/collapse_maker.h"
+#include "cagegen/flow/flow_maker.h"
+#include "cagegen/threads/parallel.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstddef>
+#include <utility>
+
+namespace encage {
+
+namespace {
+
+using makers::Candidate;
+
+void start(makers::Control& control, const makers::Control& whole) {
+  control.whole = &whole;
+  control.deadline = whole.deadline;
+}
+
+/// Which candidates are finished before one is chosen. With few faces it is hard to tell which will be the tightest, and
+/// finishing is quick.
+struct Finalists {
+  std::size_t most;
+  double excess;  ///< at most, in those of the tightest
+};
+
+Finalists finalists(std::int64_t faces) {
+  if (faces <= 150) return {4, 1.3};
+  if (faces <= 1000) return {2, 1.1};
+  return {1, 1};
+}
+
+void sort_by_volume(auto first, auto last) {
+  std::stable_sort(first, last, [](const auto& a, const auto& b) { return a.candidate.volume < b.candidate.volume; });
+}
+
+}  // namespace
+
+LevelWork::LevelWork(const LevelJob& job, const BakeOptions& options, Journal& journal, const makers::Control& whole)
+    : job_(job), options_(options), journal_(journal), collapse_request_(job.request), flow_request_(job.request) {
+  // Only the flow can do with the user's meshes.
+  flows_ = options.method != BakeMethod::collapse;
+  collapses_ = options.method != BakeMethod::flow && job.coarse == nullptr;
+  start(collapse_, whole);
+  start(flow_, whole);
+  const std::string prefix = flows_ && collapses_ ? "flow: " : "";
+  flow_request_.log = [this, prefix](std::string_view message) { journal_.add(prefix + std::string(message)); };
+}
+
+std::vector<LevelWork::Maker> LevelWork::makers(const makers::Obstacle& obstacle) {
+  const EnergyPtr inflate = options_.energy_inflate ? options_.energy_inflate : step_energy();
+  const EnergyPtr final = options_.energy_final ? options_.energy_final : volume_energy();
+  std::vector<Maker> makers;
+  // Who brings meshes, or an energy other than the volume, wants just what comes of them.
+  const bool for_volume = job_.coarse == nullptr && final == volume_energy();
+  if (options_.topology != Topology::keep && (collapses_ || for_volume)) {
+    makers.push_back({makers::convex_maker(obstacle, collapse_request_, collapse_), &collapse_});
+  }
+  if (collapses_) makers.push_back({makers::collapse_maker(obstacle, collapse_request_, collapse_), &collapse_});
+  if (flows_) {
+    makers::FlowChoices choices;
+    choices.undeformed = job_.undeformed;
+    choices.coarse = job_.coarse;
+    choices.decimator = checked_decimator(options_.decimator, options_.decimator_name);
+    choices.decimator_name = options_.decimator_name;
+    choices.inflate = inflate;
+    choices.final = final;
+    choices.path = options_.path;
+    choices.competes = collapses_;
+    makers.push_back({makers::flow_maker(obstacle, flow_request_, choices, flow_), &flow_});
+  }
+  return makers;
+}
+
+std::optional<LevelWork::Result> LevelWork::run() {
+  const makers::Obstacle obstacle(*job_.request.inner);
+  const std::vector<Maker> all = makers(obstacle);
+  for (;;) {
+    std::vector<Contender> contenders = next_batch(all);
+    if (contenders.empty()) break;
+    finishing_ = true;
+    if (auto result = tightest(std::move(contenders))) return result;
+    finishing_ = false;
+  }
+  // The flow was stopped, and there need not be a level.
+  if (!flow_.abandoned) failure_ = all.back().maker->failure();
+  return std::nullopt;
+}
+
+std::vector<LevelWork::Contender> LevelWork::next_batch(const std::vector<Maker>& makers) {
+  std::vector<std::vector<Candidate>> batches(makers.size());
+  makers::for_each_task(job_.request.threads, makers.size(), [&](std::size_t m) {
+    try {
+      batches[m] = makers[m].maker->next();
+    } catch (const Cancelled&) {
+      if (!makers[m].control->abandoned || makers[m].control->whole->cancelled()) throw;
+    }
+  });
+  std::vector<Contender> contenders;
+  for (std::size_t m = 0; m < makers.size(); ++m) {
+    for (Candidate& candidate : batches[m]) contenders.push_back({std::move(candidate), makers[m].maker.get()});
+  }
+  return contenders;
+}
+
+std::optional<LevelWork::Result> LevelWork::tightest(std::vector<Contender> contenders) {
+  sort_by_volume(contenders.begin(), contenders.end());
+  finish_best(contenders);
+  for (Contender& contender : contenders) {
+    const Candidate unfinished = contender.candidate;
+    if (!contender.finished) contender.maker->finish(contender.candidate);
+    if (auto certificate = accept(contender.candidate)) return Result{std::move(contender.candidate), *certificate};
+    if (contender.finished) continue;
+    if (auto certificate = accept(unfinished)) return Result{unfinished, *certificate};
+  }
+  return std::nullopt;
+}
+
+void LevelWork::finish_best(std::vector<Contender>& contenders) {
+  const double inside = std::max(0.0, signed_volume(*job_.request.inner));
+  const auto [most, excess] = finalists(job_.request.faces);
+  const double volume = inside + excess * (contenders.front().candidate.volume - inside);
+  std::size_t count = 1;
+  while (count < std::min(contenders.size(), most) && contenders[count].candidate.volume <= volume) ++count;
+  makers::for_each_task(job_.request.threads, count, [&](std::size_t i) {
+    contenders[i].maker->finish(contenders[i].candidate);
+    contenders[i].finished = true;
+  });
+  sort_by_volume(contenders.begin(), contenders.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+/// The one place where a candidate becomes a certified cage.
+std::optional<Certificate> LevelWork::accept(const Candidate& candidate) {
+  CertifyResult proof = certify(*job_.request.inner, job_.solid, candidate.cage);
+  if (!proof.holds) {
+    journal_.add("candidate refused by the certificate: " + candidate.start + ": " + proof.reason);
+    return std::nullopt;
+  }
+  if (options_.topology == Topology::keep && proof.certificate.no_new_handles == false) return std::nullopt;
+  return std::move(proof.certificate);
+}
+
+void LevelWork::time_is_up() {
+  if (flows_ && !finishing_ && (job_.expendable || collapses_)) flow_.abandoned = true;
+}
+
+double LevelWork::fraction() const {
+  constexpr double before_finish = 0.8;
+  if (finishing_) return before_finish;
+  const double sum = (collapses_ ? collapse_.fraction.load() : 0.0) + (flows_ ? flow_.fraction.load() : 0.0);
+  return before_finish * sum / (static_cast<double>(collapses_) + static_cast<double>(flows_));
+}
+
+}  // namespace encage
