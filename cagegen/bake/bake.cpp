@@ -3,6 +3,7 @@
 #include "cagegen/bake/coarse_meshes.h"
 #include "cagegen/bake/level_maker.h"
 #include "cagegen/bake/options.h"
+#include "cagegen/certify/cage_distance.h"
 #include "src/mesh/rounding.h"
 
 #include <encage/bake.h>
@@ -66,7 +67,11 @@ CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const B
     if (context.log) context.log(message);
   }
   BakeReport measured;
+  const proof::DistanceSurface surface(source.obstacle);
   for (MadeLevel& made : chain.levels) {
+    const DistanceBounds distances = proof::distance_bounds(surface, made.level.mesh);
+    made.level.certificate.max_distance = distances.max_distance;
+    made.level.certificate.mean_distance = distances.mean_distance;
     result.levels.push_back(std::move(made.level));
     measured.levels.push_back(made.times);
   }

@@ -76,8 +76,9 @@ void print_level(std::size_t number, const CageLevel& level, double seconds) {
     std::snprintf(volume, sizeof volume, "volume %.6g", c.volume);
   }
   char line[256];
-  std::snprintf(line, sizeof line, "level %zu: %7lld faces  %s  clearance %.3g  %s", number,
-                static_cast<long long>(level.mesh.triangles.rows()), volume, c.clearance, name(c.method));
+  std::snprintf(line, sizeof line, "level %zu: %7lld faces  %s  distance at most %.3g, mean %.3g  clearance %.3g  %s",
+                number, static_cast<long long>(level.mesh.triangles.rows()), volume, c.max_distance.value(),
+                c.mean_distance.value(), c.clearance, name(c.method));
   std::cout << line;
   if (!c.start.empty()) std::cout << " from " << c.start;
   std::snprintf(line, sizeof line, "  %.2f s", seconds);

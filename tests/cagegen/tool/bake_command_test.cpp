@@ -99,6 +99,8 @@ TEST_F(BakeCommand, JsonHasTheKeysThatOtherToolsReadAndAgreesWithTheAsset) {
     EXPECT_EQ(level.at("faces"), hierarchy.levels[i].mesh.triangles.rows());
     EXPECT_EQ(level.at("volume_ratio"), certificate.volume_ratio.value());
     EXPECT_GT(level.at("volume_ratio"), 1);
+    EXPECT_EQ(level.at("max_distance"), certificate.max_distance.value());
+    EXPECT_EQ(level.at("mean_distance"), certificate.mean_distance.value());
     EXPECT_EQ(level.at("clearance"), certificate.clearance);
     EXPECT_EQ(level.at("method"), name(certificate.method));
     EXPECT_EQ(level.at("certified"), true);
