@@ -46,6 +46,26 @@ Chain compete(LevelMaker& maker, const std::vector<Recipe>& recipes, const BakeC
   return best_chain(std::move(chains));
 }
 
+std::string list(const std::vector<std::int64_t>& numbers) {
+  std::string text;
+  for (const std::int64_t number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text;
+}
+
+/// What was asked for and is not there, in `failure` and `missing`.
+void report_missing(const BakeOptions& options, const Chain& chain, BakeReport& report) {
+  report.failure = chain.failure;
+  for (const LevelTarget& target : chain.missing) report.missing.push_back(target.faces);
+  if (!report.failure.empty()) return;
+  if (!report.missing.empty()) {
+    report.failure = "the time limit leaves out levels of " + list(report.missing) + " faces";
+  } else if (const auto wanted = static_cast<std::size_t>(options.level_count.value_or(0));
+             options.keep_partial && chain.levels.size() < wanted) {
+    report.failure = "only " + std::to_string(chain.levels.size()) + " of " + std::to_string(wanted) +
+                     " levels: each has fewer faces than the one before";
+  }
+}
+
 }  // namespace
 
 CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const BakeContext& context,
@@ -59,14 +79,18 @@ CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const B
 
   LevelMaker maker(source, options, context);
   Chain chain = compete(maker, recipes(options, faces, coarse), context);
+  BakeReport measured;
+  report_missing(options, chain, measured);
   if (!chain.failure.empty()) {
+    if (report != nullptr) *report = measured;
     if (!options.keep_partial || chain.levels.empty()) throw Error(chain.failure);
-    if (context.log) context.log("only the levels before are kept: " + chain.failure);
+  }
+  if (!measured.failure.empty() && context.log) {
+    context.log((chain.failure.empty() ? "" : "only the levels before are kept: ") + measured.failure);
   }
   for (const std::string& message : chain.skipped) {
     if (context.log) context.log(message);
   }
-  BakeReport measured;
   const proof::DistanceSurface surface(source.obstacle);
   for (MadeLevel& made : chain.levels) {
     const DistanceBounds distances = proof::distance_bounds(surface, made.level.mesh);
@@ -76,7 +100,6 @@ CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const B
     measured.levels.push_back(made.times);
   }
   result.truncated = maker.out_of_time();
-  measured.failure = chain.failure;
   measured.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report != nullptr) *report = std::move(measured);
   return result;

@@ -39,15 +39,20 @@ Chain make_chain(LevelMaker& maker, const Recipe& recipe, const ChainRank& rank)
   LevelProgress progress;
   if (rank.count > 1) progress.chain = recipe.name;
   progress.share = 1.0 / static_cast<double>(rank.count * targets.size());
-  for (std::size_t i = 0; i < targets.size(); ++i) {
+  std::size_t i = 0;
+  const auto leave_out = [&] {
+    chain.missing.assign(targets.begin() + static_cast<std::ptrdiff_t>(i), targets.end());
+    return chain;
+  };
+  for (; i < targets.size(); ++i) {
     progress.may_give_up = rank.expendable || !chain.levels.empty();
-    if (progress.may_give_up && maker.expired()) return chain;
+    if (progress.may_give_up && maker.expired()) return leave_out();
     progress.done = static_cast<double>(rank.number * targets.size() + i) * progress.share;
     const MadeLevel* finer = chain.levels.empty() ? nullptr : &chain.levels.back();
     std::optional<MadeLevel> made = maker.make(finer, targets[i], progress, chain.failure);
     if (!made) {
       if (!chain.failure.empty()) chain.failure = describe(i, targets[i]) + ": " + chain.failure;
-      return chain;
+      return leave_out();
     }
     chain.levels.push_back(std::move(*made));
     const CageLevel& level = chain.levels.back().level;

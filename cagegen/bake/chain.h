@@ -25,7 +25,9 @@ struct Chain {
   /// The sum of the volumes of all targets, a skipped target counting as the finer level that meets it. It orders
   /// chains as the sum of volume ratio - 1 does, and a chain gains nothing by having fewer levels.
   double volume = 0;
-  std::string failure;    ///< the level that failed and why; empty if none did
+  std::string failure;  ///< the level that failed and why; empty if none did
+  /// Of the targets that were not met, fine to coarse: one failed, or time was up.
+  std::vector<LevelTarget> missing;
   bool complete = false;  ///< no level is missing
 };
 

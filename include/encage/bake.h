@@ -211,7 +211,10 @@ struct BakeReport {
   };
   std::vector<Level> levels;  ///< one for each level of the hierarchy returned
   double seconds = 0;
-  std::string failure;  ///< with keep_partial: the level that failed and why; else empty
+  /// What was asked for and is not there, and why: with keep_partial the level that failed, or a level_count that is
+  /// not reached; levels that a time limit left out. Else empty. Also set where bake() throws because a level failed.
+  std::string failure;
+  std::vector<std::int64_t> missing;  ///< faces of the levels that failed or were left out, fine to coarse
 };
 
 /// Nested, certified cages around `source`. A closed surface gets no level with more faces than it has; levels with as
