@@ -24,9 +24,11 @@ constexpr double unbounded = std::numeric_limits<double>::infinity();
 /// side.
 constexpr double max_tolerance = 0.01;
 constexpr double mean_tolerance = 0.02;
-/// Splits: at least, and for each triangle of the cage.
-constexpr std::size_t least_splits = 16'000;
-constexpr std::size_t splits_per_triangle = 10;
+/// Splits of pieces for a cage of so many triangles. The mean of a triangle that is never split has no estimate.
+std::size_t most_splits(std::size_t triangles) {
+  return std::max(16'000 + std::min<std::size_t>(10 * triangles, 100'000), 2 * triangles);
+}
+
 /// Triangles that cover() looks at before it gives up.
 constexpr std::size_t most_covering = 48;
 /// Of the largest coordinate: 512 units of rounding. A point of a piece is an average of 40 roundings at most, a
@@ -111,7 +113,8 @@ class Region {
         side_[count_++] = {outward, outward.dot(corner_[k]) - margin};
       }
       const double radius = 2 * area_ / around;
-      shift_ = 2 * margin * around / radius;
+      lost_ = 2 * margin / radius;
+      shift_ = lost_ * around;
     } else {
       for (int axis = 0; axis < 2; ++axis) {
         side_[count_++] = {Flat::Unit(axis), largest[axis] + margin};
@@ -129,6 +132,7 @@ class Region {
   double low() const { return low_; }    ///< the least height of Y's corners
   double high() const { return high_; }  ///< the largest
   double area() const { return area_; }  ///< of Y; 0 if it is next to a segment
+  double lost() const { return lost_; }  ///< part of Y's area that is not in the intersection
   double shift() const { return shift_; }
 
   /// False only if the segment misses Y.
@@ -198,6 +202,7 @@ class Region {
   double low_ = unbounded;
   double high_ = -unbounded;
   double area_ = 0;
+  double lost_ = 0;
   double shift_ = 0;
 };
 
@@ -289,7 +294,7 @@ class Subdivision {
  public:
   Subdivision(const DistanceSurface& surface, const TriangleMesh& cage) : surface_(surface) {
     magnitude_ = std::max(cage.vertices.cwiseAbs().maxCoeff(), surface.mesh().vertices.cwiseAbs().maxCoeff());
-    splits_left_ = least_splits + splits_per_triangle * static_cast<std::size_t>(cage.triangles.rows());
+    splits_left_ = most_splits(static_cast<std::size_t>(cage.triangles.rows()));
     std::int32_t near = 0;
     for (Eigen::Index v = 0; v < cage.vertices.rows(); ++v) near = add_sample(cage.vertices.row(v), near).foot.triangle;
     for (std::int32_t t = 0; t < cage.triangles.rows(); ++t) {
@@ -431,7 +436,7 @@ class Subdivision {
     const double mean_height = heights.integral / region.area() - region.low();
     const double part = std::clamp((mean_height - low) / (high - low), 0.0, 1.0);
     const double change = (at_high - at_low).maxCoeff();
-    const double unsure = 2 * overlap + (region.high() - region.low() + 2 * margin) / (high - low);
+    const double unsure = 2 * overlap + region.lost() + (region.high() - region.low() + 2 * margin) / (high - low);
     bound.mean = std::min(bound.mean, at_low.mean() + part * change + unsure * std::abs(change));
   }
 

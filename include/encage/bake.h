@@ -121,9 +121,9 @@ struct DistanceBounds {
 /// Bounds the distances of the cage's points from a surface; neither has to be closed. The cage's triangles are split
 /// until two convex functions above the distance, linear between the corners of a piece, bound it: the distance to one
 /// triangle of the surface, and the way to a patch of the surface under the piece. Rounding is added. The bounds end
-/// within some 1 % of the values, unless that takes more than 16,000 splits and 10 for each triangle of the cage: then
-/// they hold, but may be looser. One thread, always the same result. Throws Error for meshes without triangles; indices
-/// must be valid. docs/certificate.md says more.
+/// within some 1 % of the values, unless that takes too many splits (16,000, and 10 for each triangle of the cage):
+/// then they hold, but may be looser. One thread, always the same result. Throws Error for meshes without triangles;
+/// indices must be valid. docs/certificate.md says more.
 DistanceBounds distance_bounds(const TriangleMesh& surface, const TriangleMesh& cage);
 
 enum class CheckVerdict {
