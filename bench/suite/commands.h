@@ -11,6 +11,9 @@ bench::Command command();
 namespace encage::distances {
 bench::Command command();
 }
+namespace encage::handmade {
+bench::Command command();
+}
 namespace encage::scale {
 bench::Command command();
 }

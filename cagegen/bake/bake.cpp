@@ -3,6 +3,8 @@
 #include "cagegen/bake/coarse_meshes.h"
 #include "cagegen/bake/level_maker.h"
 #include "cagegen/bake/options.h"
+#include "cagegen/certify/cage_distance.h"
+#include "cagegen/threads/parallel.h"
 #include "src/mesh/rounding.h"
 
 #include <encage/bake.h>
@@ -39,6 +41,26 @@ std::vector<LevelTarget> targets(const std::vector<std::int64_t>& faces, const s
   return result;
 }
 
+std::string list(const std::vector<std::int64_t>& numbers) {
+  std::string text;
+  for (const std::int64_t number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text;
+}
+
+/// What was asked for and is not there, in `failure` and `missing`.
+void report_missing(const BakeOptions& options, const Chain& chain, BakeReport& report) {
+  report.failure = chain.failure;
+  for (const LevelTarget& target : chain.missing) report.missing.push_back(target.faces);
+  if (!report.failure.empty()) return;
+  if (!report.missing.empty()) {
+    report.failure = "the time limit leaves out levels of " + list(report.missing) + " faces";
+  } else if (const auto wanted = static_cast<std::size_t>(options.level_count.value_or(0));
+             options.keep_partial && chain.levels.size() < wanted) {
+    report.failure = "only " + std::to_string(chain.levels.size()) + " of " + std::to_string(wanted) +
+                     " levels: each has fewer faces than the one before";
+  }
+}
+
 }  // namespace
 
 CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const BakeContext& context,
@@ -52,20 +74,30 @@ CageHierarchy bake(const SourceMesh& source, const BakeOptions& options, const B
 
   LevelMaker maker(source, options, context);
   Chain chain = make_chain(maker, targets(faces, coarse));
+  BakeReport measured;
+  report_missing(options, chain, measured);
   if (!chain.failure.empty()) {
+    if (report != nullptr) *report = measured;
     if (!options.keep_partial || chain.levels.empty()) throw Error(chain.failure);
-    if (context.log) context.log("only the levels before are kept: " + chain.failure);
+  }
+  if (!measured.failure.empty() && context.log) {
+    context.log((chain.failure.empty() ? "" : "only the levels before are kept: ") + measured.failure);
   }
   for (const std::string& message : chain.skipped) {
     if (context.log) context.log(message);
   }
-  BakeReport measured;
+  const proof::DistanceSurface surface(source.obstacle);
+  makers::for_each_task(maker.threads(), chain.levels.size(), [&](std::size_t i) {
+    CageLevel& level = chain.levels[i].level;
+    const DistanceBounds distances = proof::distance_bounds(surface, level.mesh);
+    level.certificate.max_distance = distances.max_distance;
+    level.certificate.mean_distance = distances.mean_distance;
+  });
   for (MadeLevel& made : chain.levels) {
     result.levels.push_back(std::move(made.level));
     measured.levels.push_back(made.times);
   }
   result.truncated = maker.out_of_time();
-  measured.failure = chain.failure;
   measured.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report != nullptr) *report = std::move(measured);
   return result;

@@ -45,6 +45,7 @@ class LevelMaker {
                                 std::string& failure);
 
   bool expired() { return control_.expired(); }
+  int threads() const { return threads_; }
   bool out_of_time() const { return control_.out_of_time; }
 
  private:

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cagegen/certify/cage_distance.h"
 #include "cagegen/certify/certify.h"
 #include "cagegen/certify/nesting.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -152,6 +154,7 @@ class Checker {
     if (nested && stored.no_new_handles != proven.no_new_handles) wrong += " no_new_handles";
     if (!about_equal(stored.volume, proven.volume)) wrong += " volume";
     if (!ratio_is_right(stored)) wrong += " volume_ratio";
+    check_distances(i, wrong);
     if (stored.components != proven.components) wrong += " components";
     if (stored.cavities != proven.cavities) wrong += " cavities";
     if (stored.genus != proven.genus) wrong += " genus";
@@ -159,6 +162,19 @@ class Checker {
         wrong.empty() ? "volume " + text(proven.volume) + ", components " + std::to_string(proven.components) +
                             ", cavities " + std::to_string(proven.cavities) + ", genus " + std::to_string(proven.genus)
                       : "stored and proven values differ in:" + wrong);
+  }
+
+  /// The claims are upper bounds: wrong if they are below what is proven.
+  void check_distances(std::size_t i, std::string& wrong) {
+    const Certificate& stored = hierarchy_.levels[i].certificate;
+    if (!source_ || (!stored.max_distance && !stored.mean_distance)) return;
+    if (!surface_) surface_.emplace(source_->obstacle);
+    const DistanceBounds proven = proof::distance_bounds(*surface_, hierarchy_.levels[i].mesh);
+    const auto below = [](const std::optional<double>& claim, double bound) {
+      return claim && *claim < bound && !about_equal(*claim, bound);
+    };
+    if (below(stored.max_distance, proven.max_distance)) wrong += " max_distance";
+    if (below(stored.mean_distance, proven.mean_distance)) wrong += " mean_distance";
   }
 
   /// What the distance of the surfaces can be at most, given a proven clearance.
@@ -174,6 +190,7 @@ class Checker {
 
   const CageHierarchy& hierarchy_;
   const SourceMesh* source_;
+  std::optional<proof::DistanceSurface> surface_;  ///< of the source, once it is needed
   CheckReport report_;
 };
 

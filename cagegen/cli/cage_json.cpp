@@ -21,6 +21,8 @@ Json to_json(const CageLevel& level) {
           {"vertices", level.mesh.vertices.rows()},
           {"volume", c.volume},
           {"volume_ratio", or_null(c.volume_ratio)},
+          {"max_distance", or_null(c.max_distance)},
+          {"mean_distance", or_null(c.mean_distance)},
           {"clearance", c.clearance},
           {"method", name(c.method)},
           {"start", c.start},

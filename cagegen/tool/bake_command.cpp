@@ -76,8 +76,9 @@ void print_level(std::size_t number, const CageLevel& level, double seconds) {
     std::snprintf(volume, sizeof volume, "volume %.6g", c.volume);
   }
   char line[256];
-  std::snprintf(line, sizeof line, "level %zu: %7lld faces  %s  clearance %.3g  %s", number,
-                static_cast<long long>(level.mesh.triangles.rows()), volume, c.clearance, name(c.method));
+  std::snprintf(line, sizeof line, "level %zu: %7lld faces  %s  distance at most %.3g, mean %.3g  clearance %.3g  %s",
+                number, static_cast<long long>(level.mesh.triangles.rows()), volume, c.max_distance.value(),
+                c.mean_distance.value(), c.clearance, name(c.method));
   std::cout << line;
   if (!c.start.empty()) std::cout << " from " << c.start;
   std::snprintf(line, sizeof line, "  %.2f s", seconds);
@@ -157,7 +158,7 @@ int run_bake(BakeArguments& arguments) {
   if (!arguments.json.empty()) write_figures(arguments, output, baked, seconds);
   if (baked.report.failure.empty()) return success;
   std::cerr << "encage: " << Input(arguments.input).name() << ": " << baked.report.failure << "; "
-            << output_name(output) << " holds the levels before\n";
+            << output_name(output) << " holds the others\n";
   return answer_is_no;
 }
 
@@ -196,11 +197,16 @@ void add_bake(CLI::App& app, int& status) {
       ->type_name("D");
   add_threads(*bake, a->options);
   CLI::Option* time_limit =
-      bake->add_option("--time-limit", a->time_limit, "Stop improving after so many seconds; the result may then vary")
+      bake->add_option(
+              "--time-limit", a->time_limit,
+              "Stop improving after so many seconds; the result may then vary, and if levels are left out, the exit "
+              "status is 1")
           ->check(between(0, std::numeric_limits<double>::infinity(), "a number of seconds above 0"))
           ->type_name("S");
-  bake->add_flag("--keep-partial", a->options.keep_partial,
-                 "If a level cannot be made, write those before it; the exit status is 1");
+  bake->add_flag(
+      "--keep-partial", a->options.keep_partial,
+      "If a level cannot be made, write those before it; the exit status is 1, also if there are none, or fewer than "
+      "--levels");
   bake->add_flag("--no-source", a->no_source, "Leave the source mesh (level 0) out of the asset");
   bake->add_flag("--verbose", a->verbose, "Note what the makers of the cages try, and what fails");
   add_json(*bake, a->json);
@@ -210,7 +216,12 @@ void add_bake(CLI::App& app, int& status) {
     if (*levels) a->options.level_count = a->levels;
     if (*time_limit) a->options.time_limit = a->time_limit;
     a->options.keep_fine = !a->no_source;
-    status = run_bake(*a);
+    try {
+      status = run_bake(*a);
+    } catch (const NoLevels& error) {
+      std::cerr << "encage: " << error.what() << "; nothing was written\n";
+      status = answer_is_no;
+    }
   });
 }
 

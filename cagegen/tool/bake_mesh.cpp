@@ -35,6 +35,7 @@ BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh,
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
+    if (options.keep_partial && !baked.report.failure.empty()) throw NoLevels(file.string() + ": " + error.what());
     throw Error(file.string() + ": " + error.what());
   }
   return baked;
@@ -54,6 +55,7 @@ Json to_json(const BakedMesh& baked) {
     // bake() returns certified cages only; a clearance above 0 is part of each certificate.
     json["levels"][i]["certified"] = baked.hierarchy.levels[i].certificate.clearance > 0;
   }
+  json["missing_levels"] = baked.report.missing;
   if (!baked.report.failure.empty()) json["failure"] = baked.report.failure;
   return json;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <encage/bake.h>
+#include <encage/error.h>
 
 #include <nlohmann/json.hpp>
 
@@ -20,12 +21,18 @@ struct BakedMesh {
   BakeReport report;
 };
 
-/// Sanitizes and bakes; `file` is for the messages. Throws Error or Cancelled.
+/// No level at all could be made, although fewer than were asked for would have done.
+class NoLevels : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Sanitizes and bakes; `file` is for the messages. Throws Error, NoLevels or Cancelled.
 BakedMesh bake_mesh(const std::filesystem::path& file, const TriangleMesh& mesh, const BakeOptions& options,
                     const BakeContext& context);
 
-/// The keys of the asset (cage_json.h), with the seconds of each level, more about the source and, if a level failed
-/// and those before it were kept, `failure`.
+/// The keys of the asset (cage_json.h), with the seconds of each level, more about the source, `missing_levels` (their
+/// faces) and, if what was asked for is not all there, `failure`.
 nlohmann::ordered_json to_json(const BakedMesh& baked);
 
 /// What the source is and what sanitizing did, as far as it matters to the user: "closed", "open in 3 places, which are

@@ -170,7 +170,7 @@ int bake_robot(const RobotArguments& arguments,
     print(mesh.file.string(), asset, baked);
     if (baked.report.failure.empty()) continue;
     std::cerr << "encage: " << mesh.file.string() << ": " << baked.report.failure << "; " << asset.string()
-              << " holds the levels before\n";
+              << " holds the others\n";
     status = answer_is_no;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

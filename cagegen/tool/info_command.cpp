@@ -39,6 +39,8 @@ std::string describe(const CageLevel& level) {
   const Certificate& c = level.certificate;
   std::string line = std::to_string(level.mesh.triangles.rows()) + " faces, ";
   line += c.volume_ratio ? "volume ratio " + text("%.4f", *c.volume_ratio) : "volume " + text("%.6g", c.volume);
+  if (c.max_distance) line += ", distance at most " + text("%.3g", *c.max_distance);
+  if (c.mean_distance) line += ", mean " + text("%.3g", *c.mean_distance);
   line += ", clearance " + text("%.3g", c.clearance) + ", genus " + std::to_string(c.genus) + ", " +
           std::to_string(c.components) + (c.components == 1 ? " component" : " components");
   if (c.cavities > 0) line += ", of them cavities: " + std::to_string(c.cavities);

@@ -33,6 +33,10 @@ struct Certificate {
   double volume = 0;     ///< enclosed by Ci, in cubic units, rounded
   /// volume / volume of the source, usually 1.001 to 2. No value if the source is no solid.
   std::optional<double> volume_ratio;
+  /// Bounds from above, within some 1 %, of how far Ci is from the source, caps included: lengths. max_distance bounds
+  /// every point of Ci, mean_distance their mean over Ci's area. No value in assets from before these figures.
+  std::optional<double> max_distance;
+  std::optional<double> mean_distance;
   int components = 0;  ///< connected components of the surface, cavities included; usually 1
   int cavities = 0;    ///< components that bound a void inside the cage; usually 0
   int genus = 0;       ///< sum over the components

@@ -19,6 +19,8 @@ void check_certificate(const Certificate& c, const std::string& place) {
   require(positive(c.clearance), place, "clearance is not finite and above 0");
   require(positive(c.volume), place, "volume is not finite and above 0");
   require(!c.volume_ratio || positive(*c.volume_ratio), place, "volume_ratio is not finite and above 0");
+  require(!c.max_distance || positive(*c.max_distance), place, "max_distance is not finite and above 0");
+  require(!c.mean_distance || positive(*c.mean_distance), place, "mean_distance is not finite and above 0");
   require(c.components >= 1, place, "components is below 1");
   require(c.cavities >= 0 && c.cavities < c.components, place, "cavities is not in [0, components)");
   require(c.genus >= 0, place, "genus is negative");

@@ -41,6 +41,8 @@ Certificate read_certificate(const JsonNode& level) {
   c.clearance = level.at("clearance").number();
   c.volume = level.at("volume").number();
   if (const auto ratio = level.find("volume_ratio")) c.volume_ratio = ratio->number();
+  if (const auto distance = level.find("max_distance")) c.max_distance = distance->number();
+  if (const auto distance = level.find("mean_distance")) c.mean_distance = distance->number();
   c.components = static_cast<int>(level.at("components").integer(0, INT_MAX));
   c.cavities = static_cast<int>(level.at("cavities").integer(0, INT_MAX));
   c.genus = static_cast<int>(level.at("genus").integer(0, INT_MAX));

@@ -34,6 +34,8 @@ json certificate_json(const Certificate& c) {
                 {"cavities", c.cavities},   {"genus", c.genus},   {"method", name(c.method)},
                 {"start", c.start}};
   if (c.volume_ratio) level["volume_ratio"] = *c.volume_ratio;
+  if (c.max_distance) level["max_distance"] = *c.max_distance;
+  if (c.mean_distance) level["mean_distance"] = *c.mean_distance;
   if (c.no_new_handles) level["no_new_handles"] = *c.no_new_handles;
   return level;
 }

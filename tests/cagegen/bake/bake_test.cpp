@@ -304,14 +304,19 @@ TEST(Bake, TimeLimit) {
   BakeOptions options = with_faces({200, 60, 20});
   options.time_limit = 1e-9;
   const SourceMesh source = sanitize(sphere(3));
-  const CageHierarchy cut = bake(source, options, {});
+  BakeReport report;
+  const CageHierarchy cut = bake(source, options, {}, &report);
   EXPECT_TRUE(cut.truncated);
+  EXPECT_EQ(report.missing, (std::vector<std::int64_t>{60, 20}));
+  EXPECT_EQ(report.failure, "the time limit leaves out levels of 60, 20 faces");
   EXPECT_EQ(cut.levels.size(), 1u);
   expect_certified(cut, source);
   for (const double limit : {1e6, 1e10, 1e300, std::numeric_limits<double>::infinity()}) {
     options.time_limit = limit;
-    const CageHierarchy whole = bake(source, options, {});
+    const CageHierarchy whole = bake(source, options, {}, &report);
     EXPECT_FALSE(whole.truncated) << limit;
+    EXPECT_TRUE(report.missing.empty());
+    EXPECT_EQ(report.failure, "");
     EXPECT_EQ(whole.levels.size(), 3u) << limit;
   }
 }

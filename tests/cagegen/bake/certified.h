@@ -37,6 +37,10 @@ inline void expect_certified(const CageHierarchy& hierarchy, const SourceMesh& s
     EXPECT_EQ(proof.certificate.components, level.certificate.components);
     EXPECT_EQ(level.certificate.volume_ratio.has_value(), source.volume > 0);
     EXPECT_GT(level.certificate.volume_ratio.value_or(2), 1);
+    const DistanceBounds distances = distance_bounds(source.obstacle, level.mesh);
+    EXPECT_EQ(distances.max_distance, level.certificate.max_distance);
+    EXPECT_EQ(distances.mean_distance, level.certificate.mean_distance);
+    EXPECT_LE(level.certificate.clearance, distances.mean_distance);
     clearance = std::min(clearance, level.certificate.clearance / hierarchy.diagonal);
     inner = &level.mesh;
     solid = Solid::closed;

@@ -87,6 +87,27 @@ TEST(CheckAsset, HoldsWithAndWithoutSource) {
   }
 }
 
+TEST(CheckAsset, DistancesAreProvenWithTheSource) {
+  Asset asset;
+  for (CageLevel& level : asset.hierarchy.levels) {
+    const DistanceBounds bounds = distance_bounds(asset.source.obstacle, level.mesh);
+    level.certificate.max_distance = bounds.max_distance;
+    level.certificate.mean_distance = bounds.mean_distance;
+  }
+  EXPECT_TRUE(check_asset(asset.hierarchy, &asset.source).holds());
+  for (const auto distance : {&Certificate::max_distance, &Certificate::mean_distance}) {
+    Asset other = asset;
+    *(other.hierarchy.levels[1].certificate.*distance) *= 1.5;  // an upper bound still
+    EXPECT_TRUE(check_asset(other.hierarchy, &other.source).holds());
+    *(other.hierarchy.levels[1].certificate.*distance) *= 0.66;
+    expect_only(check_asset(other.hierarchy, &other.source), "level 2 certificate", CheckVerdict::refuted,
+                distance == &Certificate::max_distance ? " max_distance" : " mean_distance");
+    EXPECT_TRUE(check_asset(other.hierarchy).holds()) << "they are distances to the source";
+    (other.hierarchy.levels[1].certificate.*distance).reset();
+    EXPECT_TRUE(check_asset(other.hierarchy, &other.source).holds());
+  }
+}
+
 TEST(CheckAsset, LevelsAreProvenAroundOneAnother) {
   Asset asset;
   std::swap(asset.hierarchy.levels[1], asset.hierarchy.levels[2]);

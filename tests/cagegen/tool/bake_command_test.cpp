@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "oracles/meshes.h"
 #include "tests/cagegen/tool/command_fixture.h"
 
 #include <encage/asset.h>
@@ -7,6 +8,7 @@
 #include <signal.h>
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
@@ -99,6 +101,8 @@ TEST_F(BakeCommand, JsonHasTheKeysThatOtherToolsReadAndAgreesWithTheAsset) {
     EXPECT_EQ(level.at("faces"), hierarchy.levels[i].mesh.triangles.rows());
     EXPECT_EQ(level.at("volume_ratio"), certificate.volume_ratio.value());
     EXPECT_GT(level.at("volume_ratio"), 1);
+    EXPECT_EQ(level.at("max_distance"), certificate.max_distance.value());
+    EXPECT_EQ(level.at("mean_distance"), certificate.mean_distance.value());
     EXPECT_EQ(level.at("clearance"), certificate.clearance);
     EXPECT_EQ(level.at("method"), name(certificate.method));
     EXPECT_EQ(level.at("certified"), true);
@@ -110,6 +114,71 @@ TEST_F(BakeCommand, JsonHasTheKeysThatOtherToolsReadAndAgreesWithTheAsset) {
   EXPECT_GT(json.at("peak_rss_bytes"), 1 << 20);
   EXPECT_EQ(json.at("source").at("faces"), 576);
   EXPECT_EQ(json.at("source").at("hash"), to_string(hierarchy.source_hash));
+}
+
+/// What is kept of the levels of 100 faces and more, all certified, and what is said of the others.
+class BakePartial : public CommandTest {
+ protected:
+  Json partial(std::vector<std::string> options, std::size_t levels, const std::string& said) {
+    std::vector<std::string> command = {"bake", "model.obj", "--method", "collapse", "--json", "a.json"};
+    command.insert(command.end(), options.begin(), options.end());
+    const RunResult result = encage(command);
+    EXPECT_EQ(result.status, 1) << result.err;
+    EXPECT_NE(result.err.find("note: "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("encage: model.obj: " + said), std::string::npos) << result.err;
+    EXPECT_EQ(encage({"check", "model.glb", "--source", "model.obj"}).status, 0);
+    Json json = Json::parse(folder.read("a.json"));
+    EXPECT_EQ(json.at("levels").size(), levels);
+    EXPECT_EQ(json.at("failure").get<std::string>().find(said), 0U) << json.at("failure");
+    return json;
+  }
+
+  /// Nothing can be kept: status 1 all the same, and nothing is written.
+  void nothing(std::vector<std::string> options, const std::string& said) {
+    std::vector<std::string> command = {"bake", "model.obj", "--method", "collapse", "--keep-partial"};
+    command.insert(command.end(), options.begin(), options.end());
+    const std::vector<std::string> before = folder.names();
+    const RunResult result = encage(command);
+    EXPECT_EQ(result.status, 1) << result.err;
+    EXPECT_NE(result.err.find("encage: model.obj: " + said), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("nothing was written"), std::string::npos) << result.err;
+    EXPECT_EQ(folder.names(), before);
+    command.erase(command.begin() + 4);
+    expect_refused(command, "encage: model.obj: " + said);
+  }
+};
+
+TEST_F(BakePartial, ATopologyThatCannotBeKept) {
+  const Json json = partial({"--keep-partial", "--topology", "keep", "--faces", "100,8,6"}, 1, "level 2 (8 faces): ");
+  EXPECT_EQ(json.at("missing_levels"), Json({8, 6}));
+  EXPECT_EQ(json.at("truncated"), false);
+  std::filesystem::remove(folder.path() / "model.glb");
+  std::filesystem::remove(folder.path() / "a.json");
+  nothing({"--topology", "keep", "--faces", "8"}, "level 1 (8 faces): ");
+}
+
+TEST_F(BakePartial, TooFewFacesForSeveralComponents) {
+  folder.write("model.obj", to_obj(shapes::joined(torus(12, 8), shapes::moved(torus(12, 8), {9, 0, 0}))));
+  const Json json = partial({"--keep-partial", "--topology", "keep", "--faces", "120,12"}, 1, "level 2 (12 faces): ");
+  EXPECT_EQ(json.at("missing_levels"), Json({12}));
+  EXPECT_EQ(json["levels"][0].at("components"), 2);
+}
+
+TEST_F(BakePartial, MoreLevelsThanPossible) {
+  const Json json = partial({"--keep-partial", "--ratio", "0.1", "--levels", "9"}, 2, "only 2 of 9 levels: ");
+  EXPECT_EQ(json.at("missing_levels"), Json::array());
+  // Without --keep-partial, skipped levels are notes.
+  EXPECT_EQ(encage({"bake", "model.obj", "--ratio", "0.1", "--levels", "9", "--method", "collapse"}).status, 0);
+}
+
+TEST_F(BakePartial, LevelsThatATimeLimitLeavesOut) {
+  const Json json =
+      partial({"--faces", "200,60,20", "--time-limit", "1e-9"}, 1, "the time limit leaves out levels of 60, 20 faces");
+  EXPECT_EQ(json.at("missing_levels"), Json({60, 20}));
+  EXPECT_EQ(json.at("truncated"), true);
+  // A limit that leaves nothing out.
+  EXPECT_EQ(encage({"bake", "model.obj", "--faces", "200", "--time-limit", "1e9", "--json", "a.json"}).status, 0);
+  EXPECT_EQ(Json::parse(folder.read("a.json")).at("missing_levels"), Json::array());
 }
 
 TEST_F(BakeCommand, RatioAndLevelsChooseTheFaces) {

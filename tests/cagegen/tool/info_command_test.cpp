@@ -20,8 +20,10 @@ TEST_F(InfoCommand, PrintsEveryLevel) {
   const CageHierarchy hierarchy = read_asset(folder.path() / "model.glb");
   EXPECT_NE(result.out.find("level 0   576 faces, the source"), std::string::npos) << result.out;
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
-    char ratio[32];
-    std::snprintf(ratio, sizeof ratio, "%.4f", hierarchy.levels[i].certificate.volume_ratio.value());
+    char ratio[128];
+    const Certificate& c = hierarchy.levels[i].certificate;
+    std::snprintf(ratio, sizeof ratio, "%.4f, distance at most %.3g, mean %.3g, ", c.volume_ratio.value(),
+                  c.max_distance.value(), c.mean_distance.value());
     const std::string expected = "level " + std::to_string(i + 1) + "   " +
                                  std::to_string(hierarchy.levels[i].mesh.triangles.rows()) + " faces, volume ratio " +
                                  ratio;

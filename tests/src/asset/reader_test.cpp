@@ -38,6 +38,8 @@ void expect_same(const CageHierarchy& a, const CageHierarchy& b) {
     EXPECT_EQ(p.clearance, q.clearance);
     EXPECT_EQ(p.volume, q.volume);
     EXPECT_EQ(p.volume_ratio, q.volume_ratio);
+    EXPECT_EQ(p.max_distance, q.max_distance);
+    EXPECT_EQ(p.mean_distance, q.mean_distance);
     EXPECT_EQ(p.components, q.components);
     EXPECT_EQ(p.cavities, q.cavities);
     EXPECT_EQ(p.genus, q.genus);
@@ -73,6 +75,8 @@ TEST(AssetReader, golden_file_holds_true_claims) {
 TEST(AssetReader, returns_what_was_written) {
   CageHierarchy hierarchy = sample_hierarchy();
   hierarchy.truncated = true;
+  hierarchy.levels[0].certificate.max_distance = 1.1;
+  hierarchy.levels[0].certificate.mean_distance = 0.7;
   hierarchy.solid = Solid::surface_only;
   hierarchy.origin = {0.1, 1e300, -4.9e-324};  // doubles that float32 cannot represent
   hierarchy.diagonal = 1.0 / 3;

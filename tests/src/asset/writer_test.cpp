@@ -76,7 +76,9 @@ TEST(AssetWriter, leaves_out_what_a_hierarchy_does_not_have) {
   const auto& extension = document["extensions"]["ENCAGE_cages"];
   EXPECT_FALSE(extension.contains("fine_mesh"));
   EXPECT_FALSE(extension.contains("options"));
-  EXPECT_FALSE(extension["levels"][0].contains("volume_ratio"));
+  for (const char* key : {"volume_ratio", "max_distance", "mean_distance"}) {
+    EXPECT_FALSE(extension["levels"][0].contains(key)) << key;
+  }
   EXPECT_EQ(document["meshes"].size(), 2U);
 }
 
@@ -113,6 +115,10 @@ TEST(AssetWriter, refuses_numbers_that_mean_nothing) {
               "f.glb: cage 1: volume is not finite and above 0");
     EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[0].certificate.volume_ratio = bad; }),
               "f.glb: cage 1: volume_ratio is not finite and above 0");
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[1].certificate.max_distance = bad; }),
+              "f.glb: cage 2: max_distance is not finite and above 0");
+    EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.levels[1].certificate.mean_distance = bad; }),
+              "f.glb: cage 2: mean_distance is not finite and above 0");
     EXPECT_EQ(refused_write([&](CageHierarchy& h) { h.diagonal = bad; }), "f.glb: diagonal is not finite and above 0");
   }
   for (const double bad : {-1.0, infinity, nan}) {
