@@ -88,7 +88,8 @@ std::optional<LevelWork::Result> LevelWork::run() {
     finishing_ = false;
   }
   // The flow was stopped, and there need not be a level.
-  if (!flow_.abandoned) failure_ = all.back().maker->failure();
+  if (flow_.abandoned) return std::nullopt;
+  failure_ = refused_.empty() ? all.back().maker->failure() : refused_ + ": the certificate refuses the cage";
   return std::nullopt;
 }
 
@@ -138,6 +139,7 @@ void LevelWork::finish_best(std::vector<Contender>& contenders) {
 std::optional<Certificate> LevelWork::accept(const Candidate& candidate) {
   CertifyResult proof = certify(*job_.request.inner, job_.solid, candidate.cage);
   if (!proof.holds) {
+    refused_ = candidate.start;
     journal_.add("candidate refused by the certificate: " + candidate.start + ": " + proof.reason);
     return std::nullopt;
   }

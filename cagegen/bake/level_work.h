@@ -67,6 +67,7 @@ class LevelWork {
   makers::LevelRequest collapse_request_, flow_request_;
   bool collapses_, flows_;
   std::atomic<bool> finishing_{false};
+  std::string refused_;  ///< the start of the last candidate that the certificate refused
   std::string failure_;
 };
 

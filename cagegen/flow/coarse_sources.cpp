@@ -18,6 +18,7 @@ namespace {
 
 
 constexpr std::int64_t dense_faces = 12;  // of the target's: what a decimation begins with
+constexpr std::int64_t least_dense = 50'000;
 constexpr std::int64_t most_wrapped = 10'000;  // triangles up to which wraps flow too where others compete
 constexpr double part_gap = 10;  // clearances between parts of a coarse mesh
 
@@ -30,8 +31,9 @@ std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
   return mesh;
 }
 
-/// The mesh with `faces` triangles at most, quickly, if that loses none of its components; else the mesh.
+/// A very dense mesh with `faces` triangles or some more, quickly, if that loses none of its components; else the mesh.
 TriangleMesh thinned(const TriangleMesh& mesh, std::int64_t faces) {
+  faces = std::max(faces, least_dense);
   if (mesh.triangles.rows() <= 2 * faces) return mesh;
   const TriangleMesh thin = simplify(mesh, faces);
   std::vector<std::int32_t> label;
