@@ -7,6 +7,7 @@
 #include "cagegen/threads/parallel.h"
 
 #include <algorithm>
+#include <mutex>
 #include <cstdint>
 #include <cstddef>
 #include <utility>
@@ -89,17 +90,23 @@ std::optional<LevelWork::Result> LevelWork::run() {
   }
   // The flow was stopped, and there need not be a level.
   if (flow_.abandoned) return std::nullopt;
-  failure_ = refused_.empty() ? all.back().maker->failure() : refused_ + ": the certificate refuses the cage";
+  failure_ = !failed_.empty() ? failed_ : refused_.empty() ? all.back().maker->failure() : refused_ + ": the certificate refuses the cage";
   return std::nullopt;
 }
 
 std::vector<LevelWork::Contender> LevelWork::next_batch(const std::vector<Maker>& makers) {
   std::vector<std::vector<Candidate>> batches(makers.size());
+  std::mutex mutex;
   makers::for_each_task(job_.request.threads, makers.size(), [&](std::size_t m) {
     try {
       batches[m] = makers[m].maker->next();
     } catch (const Cancelled&) {
       if (!makers[m].control->abandoned || makers[m].control->whole->cancelled()) throw;
+    } catch (const Error& error) {
+      // What a decimator or an energy of the user's throws: others may still make the level.
+      const std::lock_guard lock(mutex);
+      failed_ = error.what();
+      if (makers.size() > 1) journal_.add("level of " + std::to_string(job_.request.faces) + " faces: " + failed_);
     }
   });
   std::vector<Contender> contenders;

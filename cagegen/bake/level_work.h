@@ -68,6 +68,7 @@ class LevelWork {
   bool collapses_, flows_;
   std::atomic<bool> finishing_{false};
   std::string refused_;  ///< the start of the last candidate that the certificate refused
+  std::string failed_;   ///< what a maker threw last
   std::string failure_;
 };
 

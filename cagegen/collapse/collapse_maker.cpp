@@ -99,17 +99,18 @@ std::optional<TriangleMesh> make_decimation(double parameter, const Obstacle& ob
   return cage ? cage : offset_start(obstacle, clean, height, true, request.clearance);
 }
 
-/// Makes the start, or its fallback, which then replaces it.
-std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, const LevelRequest& request) {
+/// Makes the start, or its fallback, which then replaces it. Convex starts need the frame.
+std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, const LevelRequest& request,
+                                       const ConvexFrame* frame) {
   switch (start.kind) {
     case Start::Kind::hull: {
-      TriangleMesh hull = hull_start(obstacle, *request.clean, request.clearance);
+      TriangleMesh hull = hull_start(obstacle, *frame, request.clearance);
       const std::int64_t most = most_hull_faces * request.faces;
       if (hull.triangles.rows() <= most) return hull;
       return offset_start(obstacle, simplify(hull, most), offset_height * request.diagonal, true, request.clearance);
     }
-    case Start::Kind::box: return box_start(obstacle, *request.clean, request.clearance);
-    case Start::Kind::tetrahedron: return tetrahedron_start(obstacle, *request.clean, request.clearance);
+    case Start::Kind::box: return box_start(obstacle, *frame, request.clearance);
+    case Start::Kind::tetrahedron: return tetrahedron_start(obstacle, *frame, request.clearance);
     case Start::Kind::decimate: {
       auto cage = make_decimation(start.parameter, obstacle, request);
       if (cage || start.fallback == 0) return cage;
@@ -130,9 +131,9 @@ EditorOptions editor_options(const LevelRequest& request) {
   return options;
 }
 
-std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelRequest& request, Control& control,
-                             const std::function<void(double)>& progress) {
-  auto cage = make_start(start, obstacle, request);
+std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelRequest& request,
+                             const ConvexFrame* frame, Control& control, const std::function<void(double)>& progress) {
+  auto cage = make_start(start, obstacle, request, frame);
   if (!cage) return std::nullopt;
   *cage = outermost_components(*cage);
   const double volume = signed_volume(*cage);
@@ -168,14 +169,14 @@ std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelR
 
 /// Runs the starts of a phase, as many at a time as there are threads.
 std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, const LevelRequest& request,
-                               Control& control) {
+                               Control& control, const ConvexFrame* frame = nullptr) {
   std::vector<std::optional<Candidate>> results(phase.size());
   std::vector<double> fractions(phase.size(), 0.0);
   std::mutex mutex;
   for_each_task(request.threads, phase.size(), [&](std::size_t i) {
     // Out of time: whoever comes later is left out, as long as somebody came before.
     if (i > 0 && control.expired()) return;
-    results[i] = run(phase[i], obstacle, request, control, [&](double fraction) {
+    results[i] = run(phase[i], obstacle, request, frame, control, [&](double fraction) {
       const std::lock_guard lock(mutex);
       fractions[i] = fraction;
       double sum = 0;
@@ -197,7 +198,8 @@ class ConvexMaker : public CandidateMaker {
 
   std::vector<Candidate> next() override {
     if (std::exchange(done_, true)) return {};
-    return compete(convex_starts(request_), obstacle_, request_, control_);
+    const ConvexFrame frame(*request_.clean, request_.clearance);
+    return compete(convex_starts(request_), obstacle_, request_, control_, &frame);
   }
   void finish(Candidate& candidate) override { finish_by_volume(obstacle_, request_, control_, candidate); }
   std::string failure() const override { return "the certificate refuses the convex cages"; }

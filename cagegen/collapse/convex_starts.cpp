@@ -48,32 +48,12 @@ std::vector<Point> farthest(const std::vector<Point>& points, std::size_t count)
   return found;
 }
 
-/// The points of a convex start, and the axes of a small box around them.
-struct Frame {
-  std::vector<Point> points;
-  Eigen::Matrix3d axes;  ///< rows; from the mesh's coordinates to those along the box
-
-  Frame(const TriangleMesh& mesh, double clearance) : points(extreme_points(mesh)) {
-    // The search takes long with many points. Those that are farthest in some directions tell almost as much.
-    constexpr std::size_t enough = 400;
-    std::vector<Point> outermost = points.size() > enough ? farthest(points, enough) : points;
-    // Flat points have boxes of no volume in many directions. With the clearance around them, one is the smallest.
-    std::vector<Point> solid;
-    for (const Point& p : outermost) {
-      for (int k = 0; k < 3; ++k) {
-        for (const double sign : {-1.0, 1.0}) solid.push_back(p + sign * clearance * Point::Unit(k));
-      }
-    }
-    axes = smallest_box_axes(solid);
-  }
-
-  /// Distance by which roundings of coordinates may bring a surface closer.
-  double rounding() const {
-    double largest = 0;
-    for (const Point& p : points) largest = std::max(largest, p.lpNorm<Eigen::Infinity>());
-    return largest * std::numeric_limits<float>::epsilon();
-  }
-};
+/// Distance by which roundings of coordinates may bring a surface closer.
+double rounding(const ConvexFrame& frame) {
+  double largest = 0;
+  for (const Point& p : frame.points) largest = std::max(largest, p.lpNorm<Eigen::Infinity>());
+  return largest * std::numeric_limits<float>::epsilon();
+}
 
 /// The hull of points, rounded before the hull is taken: the result is convex, exactly. No value if it is flat.
 std::optional<TriangleMesh> rounded_hull(std::vector<Point> points) {
@@ -81,7 +61,7 @@ std::optional<TriangleMesh> rounded_hull(std::vector<Point> points) {
   return convex_hull(points);
 }
 
-std::optional<TriangleMesh> padded_hull(const Frame& frame, double padding) {
+std::optional<TriangleMesh> padded_hull(const ConvexFrame& frame, double padding) {
   std::vector<Point> padded;
   for (const Point& p : frame.points) {
     for (int i = 0; i < 8; ++i) {
@@ -92,7 +72,7 @@ std::optional<TriangleMesh> padded_hull(const Frame& frame, double padding) {
   return rounded_hull(std::move(padded));
 }
 
-std::optional<TriangleMesh> scaled_hull(const Frame& frame, double scale) {
+std::optional<TriangleMesh> scaled_hull(const ConvexFrame& frame, double scale) {
   // Inside the hull, unlike the middle of the box: all of the hull moves outward.
   Point centre = Point::Zero();
   for (const Point& p : frame.points) centre += p / static_cast<double>(frame.points.size());
@@ -103,14 +83,14 @@ std::optional<TriangleMesh> scaled_hull(const Frame& frame, double scale) {
 
 /// Calls make(padding) with growing paddings, from just the clearance on, until the result is clear.
 template <class Make>
-TriangleMesh grow_until_clear(const Obstacle& obstacle, const Frame& frame, double clearance, Make make) {
-  for (double surplus = 1e-3 * clearance + 4 * frame.rounding();; surplus *= 2) {
+TriangleMesh grow_until_clear(const Obstacle& obstacle, const ConvexFrame& frame, double clearance, Make make) {
+  for (double surplus = 1e-3 * clearance + 4 * rounding(frame);; surplus *= 2) {
     const auto cage = make(clearance + surplus);
     if (cage && clear(obstacle, *cage, clearance)) return *cage;
   }
 }
 
-Eigen::AlignedBox3d box_in(const Frame& frame, double padding) {
+Eigen::AlignedBox3d box_in(const ConvexFrame& frame, double padding) {
   Eigen::AlignedBox3d box;
   for (const Point& p : frame.points) box.extend(Point(frame.axes * p));
   return {box.min().array() - padding, box.max().array() + padding};
@@ -118,16 +98,28 @@ Eigen::AlignedBox3d box_in(const Frame& frame, double padding) {
 
 }  // namespace
 
-TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance) {
-  const Frame frame(mesh, clearance);
+ConvexFrame::ConvexFrame(const TriangleMesh& mesh, double clearance) : points(extreme_points(mesh)) {
+  // The search takes long with many points. Those that are farthest in some directions tell almost as much.
+  constexpr std::size_t enough = 400;
+  std::vector<Point> outermost = points.size() > enough ? farthest(points, enough) : points;
+  // Flat points have boxes of no volume in many directions. With the clearance around them, one is the smallest.
+  std::vector<Point> solid;
+  for (const Point& p : outermost) {
+    for (int k = 0; k < 3; ++k) {
+      for (const double sign : {-1.0, 1.0}) solid.push_back(p + sign * clearance * Point::Unit(k));
+    }
+  }
+  axes = smallest_box_axes(solid);
+}
+
+TriangleMesh hull_start(const Obstacle& obstacle, const ConvexFrame& frame, double clearance) {
   // Scaled, it keeps its number of triangles; flat and thin inputs have to be padded.
   const auto cage = scaled_hull(frame, 1.001);
   if (cage && clear(obstacle, *cage, clearance)) return *cage;
   return grow_until_clear(obstacle, frame, clearance, [&](double padding) { return padded_hull(frame, padding); });
 }
 
-TriangleMesh box_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance) {
-  const Frame frame(mesh, clearance);
+TriangleMesh box_start(const Obstacle& obstacle, const ConvexFrame& frame, double clearance) {
   return grow_until_clear(obstacle, frame, clearance, [&](double padding) {
     const Eigen::AlignedBox3d box = box_in(frame, padding);
     std::vector<Point> corners;
@@ -138,8 +130,7 @@ TriangleMesh box_start(const Obstacle& obstacle, const TriangleMesh& mesh, doubl
   });
 }
 
-TriangleMesh tetrahedron_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance) {
-  const Frame frame(mesh, clearance);
+TriangleMesh tetrahedron_start(const Obstacle& obstacle, const ConvexFrame& frame, double clearance) {
   const auto make = [&](double padding) -> std::optional<TriangleMesh> {
     const Eigen::AlignedBox3d box = box_in(frame, padding);
     // Two regular tetrahedra fit around a cube; the box is made one.

@@ -5,19 +5,31 @@
 
 #include <encage/mesh.h>
 
+#include <Eigen/Core>
+
+#include <vector>
+
 namespace encage::makers {
 
-// Convex surfaces around an obstacle, made of the vertices of `mesh`, which is the obstacle's surface or a part of it
-// with the same convex hull. Vertices are exactly representable in float32. All three always succeed, also for flat and
-// collinear meshes; none needs the mesh to be closed.
+/// The vertices of a mesh's convex hull, and the axes of a small box around them. The mesh need not be closed, and may be
+/// flat or collinear.
+struct ConvexFrame {
+  ConvexFrame(const TriangleMesh& mesh, double clearance);
+
+  std::vector<Point> points;
+  Eigen::Matrix3d axes;  ///< rows; from the mesh's coordinates to those along the box
+};
+
+// Convex surfaces around an obstacle, made of the frame of its surface, or of a part of that with the same convex hull.
+// Vertices are exactly representable in float32. All three always succeed.
 
 /// The convex hull, scaled or padded until it is clear of the obstacle; any number of triangles.
-TriangleMesh hull_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance);
+TriangleMesh hull_start(const Obstacle& obstacle, const ConvexFrame& frame, double clearance);
 
 /// An oriented box of about the smallest volume, hardly farther from the obstacle than the clearance; 12 triangles.
-TriangleMesh box_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance);
+TriangleMesh box_start(const Obstacle& obstacle, const ConvexFrame& frame, double clearance);
 
 /// A tetrahedron; where a level may have fewer than 12 triangles.
-TriangleMesh tetrahedron_start(const Obstacle& obstacle, const TriangleMesh& mesh, double clearance);
+TriangleMesh tetrahedron_start(const Obstacle& obstacle, const ConvexFrame& frame, double clearance);
 
 }  // namespace encage::makers

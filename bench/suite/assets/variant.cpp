@@ -50,6 +50,9 @@ CageHierarchy transform(const CageHierarchy& hierarchy, const Variant& variant, 
     level.mesh = transform(level.mesh, variant);
     level.certificate.clearance = std::ldexp(level.certificate.clearance, e);
     level.certificate.volume = std::ldexp(level.certificate.volume, 3 * e);
+    // Their bounds depend on the order of the axes.
+    level.certificate.max_distance.reset();
+    level.certificate.mean_distance.reset();
   }
   return result;
 }

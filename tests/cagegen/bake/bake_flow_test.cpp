@@ -107,15 +107,17 @@ TEST(BakeFlow, SameCagesForAnyNumberOfThreads) {
   }
 }
 
-TEST(BakeFlow, AutomaticIsNeverLooserThanEither) {
+/// The methods compete level by level, each around the tightest cage so far; a level may then come out looser than that of
+/// a chain of its own, but not by much.
+TEST(BakeFlow, AutomaticIsAboutAsTightAsTheBetterMethod) {
   for (const TriangleMesh& mesh :
        {sphere(2), torus(1, 0.4, 16, 8), joined(sphere(2), moved(scaled(sphere(1), 0.5), {3, 0, 0}))}) {
     const SourceMesh source = sanitize(mesh);
     const auto run = [&](BakeMethod method) { return bake(source, with_faces({60, 24}, 2, method), {}); };
     const CageHierarchy both = run(BakeMethod::automatic);
     expect_certified(both, source);
-    EXPECT_LE(excess(both), excess(run(BakeMethod::collapse)));
-    EXPECT_LE(excess(both), excess(run(BakeMethod::flow)));
+    EXPECT_LE(excess(both), 1.05 * excess(run(BakeMethod::collapse)));
+    EXPECT_LE(excess(both), 1.05 * excess(run(BakeMethod::flow)));
   }
 }
 
@@ -140,9 +142,10 @@ TEST(BakeFlow, WhatFailsDropsOutOfAutomatic) {
   BakeReport report;
   const CageHierarchy cages = bake(source, options, log.context, &report);
   expect_certified(cages, source);
-  EXPECT_EQ(cages.levels[0].certificate.method, Method::collapse);
+  ASSERT_EQ(cages.levels.size(), 2u);
+  EXPECT_NE(cages.levels[1].certificate.method, Method::flow);
   EXPECT_EQ(report.failure, "");
-  EXPECT_TRUE(log.has("flow: level 2 (40 faces): no idea how"));
+  EXPECT_TRUE(log.has("level of 40 faces: no idea how"));
 }
 
 TEST(BakeFlow, AFailedLevelIsNamed) {

@@ -128,24 +128,25 @@ TEST(ConvexStarts, EncloseAnything) {
     const double diagonal = bounds(mesh).diagonal().norm();
     for (const double clearance : {1e-5, 0.03, 0.09}) {
       const Obstacle obstacle(mesh);
-      const TriangleMesh hull = hull_start(obstacle, mesh, clearance * diagonal);
+      const ConvexFrame frame(mesh, clearance * diagonal);
+      const TriangleMesh hull = hull_start(obstacle, frame, clearance * diagonal);
       const Certificate certificate = expect_cage(mesh, Solid::surface_only, hull, clearance * diagonal);
       EXPECT_EQ(certificate.components, 1);
       EXPECT_EQ(certificate.genus, 0);
-      const TriangleMesh again = hull_start(obstacle, mesh, clearance * diagonal);
+      const TriangleMesh again = hull_start(obstacle, frame, clearance * diagonal);
       EXPECT_EQ(hull.vertices, again.vertices);
       EXPECT_EQ(hull.triangles, again.triangles);
-      const TriangleMesh box = box_start(obstacle, mesh, clearance * diagonal);
+      const TriangleMesh box = box_start(obstacle, frame, clearance * diagonal);
       EXPECT_EQ(box.triangles.rows(), 12);
       expect_cage(mesh, Solid::surface_only, box, clearance * diagonal);
-      EXPECT_EQ(box.vertices, box_start(obstacle, mesh, clearance * diagonal).vertices);
-      const TriangleMesh tetrahedron = tetrahedron_start(obstacle, mesh, clearance * diagonal);
+      EXPECT_EQ(box.vertices, box_start(obstacle, frame, clearance * diagonal).vertices);
+      const TriangleMesh tetrahedron = tetrahedron_start(obstacle, frame, clearance * diagonal);
       EXPECT_EQ(tetrahedron.triangles.rows(), 4);
       expect_cage(mesh, Solid::surface_only, tetrahedron, clearance * diagonal);
     }
   }
-  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[0]), meshes[0], 1e-5)), 1.01 * signed_volume(meshes[0]));
-  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[1]), meshes[1], 1e-5)), 1.01 / 6) << "the box's middle is outside";
+  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[0]), ConvexFrame(meshes[0], 1e-5), 1e-5)), 1.01 * signed_volume(meshes[0]));
+  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[1]), ConvexFrame(meshes[1], 1e-5), 1e-5)), 1.01 / 6) << "the box's middle is outside";
 }
 
 void expect_manifold(const TriangleMesh& mesh) {

@@ -31,7 +31,7 @@ class Streams : public CommandTest {
   }
 };
 
-const std::vector<std::string> every_command = {"bake model.obj --faces 60 -o new.glb",
+const std::vector<std::string> every_command = {"bake model.obj --method collapse --faces 60 -o new.glb",
                                                 "check model.glb",
                                                 "info model.glb",
                                                 "export model.glb --level 1 -o cage.obj",
@@ -70,7 +70,7 @@ TEST_F(Streams, AFullDeviceIsNoticedByEveryCommand) {
     lines.push_back(command);
     lines.push_back(command + " --json");
   }
-  lines.emplace_back("bake model.obj --faces 60 -o -");
+  lines.emplace_back("bake model.obj --method collapse --faces 60 -o -");
   lines.emplace_back("export model.glb --level 1 --format obj -o -");
   lines.emplace_back("render model.glb --size 64x48 -o -");
   for (const std::string& line : lines) {
@@ -140,7 +140,7 @@ TEST_F(Streams, PipesAndDevicesAreWrittenThroughAndLinksStay) {
   fs::create_symlink("target.glb", folder.path() / "link.glb");
   bake_model();
 
-  const std::string bake = "$ENCAGE bake model.obj --faces 200,60 ";
+  const std::string bake = "$ENCAGE bake model.obj --method collapse --faces 200,60 ";
   EXPECT_EQ(shell("cat pipe > read & " + bake + "-o a.glb --json pipe; wait").status, 0);
   EXPECT_TRUE(Json::accept(folder.read("read")));
   EXPECT_EQ(shell("cat pipe > read.glb & " + bake + "-o pipe; wait").status, 0);
