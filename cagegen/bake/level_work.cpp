@@ -31,7 +31,7 @@ struct Finalists {
 };
 
 Finalists finalists(std::int64_t faces) {
-  if (faces <= 150) return {4, 1.3};
+  if (faces <= 150) return {3, 1.25};
   if (faces <= 1000) return {2, 1.1};
   return {1, 1};
 }
@@ -110,6 +110,8 @@ std::vector<LevelWork::Contender> LevelWork::next_batch(const std::vector<Maker>
     }
   });
   std::vector<Contender> contenders;
+  // Convex cages only bound what the flow makes: they are no answer to who asked for the flow.
+  if (!collapses_ && batches.back().empty()) return contenders;
   for (std::size_t m = 0; m < makers.size(); ++m) {
     for (Candidate& candidate : batches[m]) contenders.push_back({std::move(candidate), makers[m].maker.get()});
   }

@@ -14,7 +14,8 @@ struct RedistributeRequest {
   EditorOptions editing;
   ContactSolverOptions contact;
   std::int64_t faces = 0;  ///< at most, in the result
-  int rounds = 1;
+  int rounds = 1;          ///< at most
+  double enough = 0;       ///< a volume: two rounds in a row that gain less are the last
   std::uint64_t work = 0;  ///< triangle tests after which no new round begins
 };
 

@@ -227,7 +227,7 @@ TEST(Bake, ClearanceIsKept) {
   for (const double clearance : {1e-7, 1e-3, 0.09}) {
     SCOPED_TRACE(clearance);
     for (const TriangleMesh& mesh : {sphere(2), u_shape(), sheet(4, 0.1), sheet(1, 0)}) {
-      BakeOptions options = with_faces({60, 16});
+      BakeOptions options = with_faces({60, 16}, 2, BakeMethod::collapse);
       options.min_clearance = clearance;
       const CageHierarchy cages = bake(mesh, options);
       for (const CageLevel& level : cages.levels) {

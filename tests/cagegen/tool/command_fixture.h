@@ -23,7 +23,7 @@ class CommandTest : public ::testing::Test {
 
   /// Bakes `model.obj` to `model.glb` with levels of 200 and 60 faces.
   void bake_model() {
-    const RunResult result = encage({"bake", "model.obj", "--faces", "200,60"});
+    const RunResult result = encage({"bake", "model.obj", "--method", "collapse", "--faces", "200,60"});
     ASSERT_EQ(result.status, 0) << result.err;
   }
 
