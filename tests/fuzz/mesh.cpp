@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/fuzz/fuzz.h"
+
+#include <encage/bake.h>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using encage::PolygonMesh;
+using encage::TriangleMesh;
+using encage::fuzz::require;
+
+void check(const PolygonMesh& mesh) {
+  require(mesh.vertices.allFinite(), "a coordinate is not finite");
+  require(mesh.polygon_count() > 0 && mesh.first[0] == 0, "no polygons");
+  for (std::int64_t p = 0; p < mesh.polygon_count(); ++p) {
+    const auto i = static_cast<std::size_t>(p);
+    require(mesh.first[i + 1] - mesh.first[i] >= 3, "a polygon of fewer than three corners");
+  }
+  require(mesh.first.back() == static_cast<std::int64_t>(mesh.corners.size()), "corners that belong to no polygon");
+  for (const std::int32_t corner : mesh.corners) {
+    require(corner >= 0 && corner < mesh.vertices.rows(), "a vertex index is out of range");
+  }
+}
+
+void check(const TriangleMesh& triangles, const PolygonMesh& polygons) {
+  const auto count = static_cast<std::int64_t>(polygons.corners.size()) - 2 * polygons.polygon_count();
+  require(triangles.triangles.rows() == count, "n corners are not n - 2 triangles");
+  for (const std::int32_t corner : triangles.triangles.reshaped()) {
+    require(corner >= 0 && corner < triangles.vertices.rows(), "a triangle's vertex index is out of range");
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  // No file lies beside it.
+  static const std::filesystem::path name = "/nowhere/fuzz." ENCAGE_FUZZ_FORMAT;
+  PolygonMesh mesh;
+  const auto read = [&] {
+    encage::ReadNotes notes;
+    mesh = encage::decode_polygon_mesh({reinterpret_cast<const char*>(data), size}, ENCAGE_FUZZ_FORMAT, name, &notes);
+  };
+  const bool is_read =
+      encage::fuzz::reads(encage::fuzz::memory_for(size), read, name.string() + ": not enough memory");
+  if (!is_read) return 0;
+  check(mesh);
+  constexpr std::size_t quick = 256;
+  if (mesh.corners.size() <= quick) check(encage::triangulate(mesh), mesh);
+  return 0;
+}
