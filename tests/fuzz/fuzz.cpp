@@ -47,6 +47,7 @@ MemoryBound::~MemoryBound() { most_allowed = 0; }
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   __sanitizer_install_malloc_and_free_hooks(encage::fuzz::count_allocation, encage::fuzz::count_release);
-  std::atexit([] { std::fprintf(stderr, "peak of one input: %lld bytes\n", static_cast<long long>(encage::fuzz::peak)); });
+  std::atexit(
+      [] { std::fprintf(stderr, "peak of one input: %lld bytes\n", static_cast<long long>(encage::fuzz::peak)); });
   return 0;
 }

@@ -28,9 +28,9 @@ class MemoryBound {
   MemoryBound& operator=(const MemoryBound&) = delete;
 };
 
-/// What reading a file may take.
-constexpr std::int64_t memory_for(std::size_t file_size) {
-  return (std::int64_t{64} << 20) + 10 * static_cast<std::int64_t>(file_size);
+/// What reading a file may take: bytes for each byte of the file, beside 64 MiB.
+constexpr std::int64_t memory_for(std::size_t file_size, std::int64_t per_byte = 10) {
+  return (std::int64_t{64} << 20) + per_byte * static_cast<std::int64_t>(file_size);
 }
 
 /// Returns whether the bytes were read; Error is the other answer. `out_of_memory` is what a reader makes of

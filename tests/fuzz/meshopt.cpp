@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/fuzz/meshopt.h"
+
 #include "cagegen/io/gltf_meshopt.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/meshopt.h"
 
 #include <cstring>
 #include <optional>

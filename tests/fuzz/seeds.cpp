@@ -75,7 +75,9 @@ void extract_meshopt(const std::string& glb, const fs::path& folder) {
   }
 }
 
-std::string robot(const std::string& links) { return "<?xml version=\"1.0\"?><robot name=\"arm\">" + links + "</robot>"; }
+std::string robot(const std::string& links) {
+  return "<?xml version=\"1.0\"?><robot name=\"arm\">" + links + "</robot>";
+}
 
 std::string link(const std::string& shape) {
   return "<link name=\"a/b\"><collision><origin xyz=\"1 2 3\" rpy=\"0 0 1.5\"/><geometry>" + shape +
