@@ -102,6 +102,9 @@ int main(int argc, char** argv) {
   sample.fine = {};
   sample.cap_count = 0;
   write_asset(seeds / "asset" / "cages", sample);
+  sample.levels.erase(sample.levels.begin());
+  sample.options.clear();
+  write_asset(seeds / "asset" / "cage", sample);
   for (const auto& file : fs::directory_iterator(argv[2])) {
     fs::copy_file(file.path(), seeds / "asset" / file.path().filename(), fs::copy_options::overwrite_existing);
   }
