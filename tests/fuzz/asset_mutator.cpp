@@ -11,8 +11,6 @@
 #include <span>
 #include <string>
 
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
-
 namespace encage::fuzz {
 namespace {
 
@@ -96,13 +94,5 @@ std::string seal(Chunks chunks) {
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned seed) {
-  using namespace encage::fuzz;
-  std::optional<Chunks> chunks;
-  if (seed % 8 != 0) chunks = split({reinterpret_cast<const char*>(data), size});
-  if (!chunks) return LLVMFuzzerMutate(data, size, max_size);
-  mutate(*chunks, max_size, seed / 8);
-  const std::string bytes = seal(*std::move(chunks));
-  if (bytes.size() > max_size) return LLVMFuzzerMutate(data, size, max_size);
-  std::memcpy(data, bytes.data(), bytes.size());
-  return bytes.size();
+  return encage::fuzz::mutate_chunk(data, size, max_size, seed, encage::fuzz::seal);
 }

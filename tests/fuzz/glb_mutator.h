@@ -3,9 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
-#include <string_view>
 
 namespace encage::fuzz {
 
@@ -14,13 +12,13 @@ struct Chunks {
   std::string json, bin;
 };
 
-/// No value if the bytes are no such file with both chunks.
-std::optional<Chunks> split(std::string_view bytes);
-
 /// A file with lengths that are right, and data that begin at a multiple of `alignment`.
 std::string join(const Chunks& chunks, std::size_t alignment);
 
-/// Changes one of the chunks.
-void mutate(Chunks& chunks, std::size_t max_size, unsigned seed);
+/// What libFuzzer takes for its own mutation, which changes one chunk of a binary glTF file here; `finish` makes a file
+/// of the chunks. Most changes to the bytes of the file would only make its lengths wrong, which readers refuse at
+/// once; some are left.
+std::size_t mutate_chunk(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned seed,
+                         std::string (*finish)(Chunks chunks));
 
 }  // namespace encage::fuzz

@@ -3,6 +3,8 @@
 
 #include <encage/bake.h>
 
+#include <errno.h>
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -12,6 +14,9 @@ namespace {
 using encage::PolygonMesh;
 using encage::TriangleMesh;
 using encage::fuzz::require;
+
+/// One object serves all targets: the program fuzz_obj reads OBJ.
+const std::string format = std::string(program_invocation_short_name).substr(std::string_view("fuzz_").size());
 
 void check(const PolygonMesh& mesh) {
   require(mesh.vertices.allFinite(), "a coordinate is not finite");
@@ -38,14 +43,14 @@ void check(const TriangleMesh& triangles, const PolygonMesh& polygons) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   // No file lies beside it.
-  static const std::filesystem::path name = "/nowhere/fuzz." ENCAGE_FUZZ_FORMAT;
+  static const std::filesystem::path name = "/nowhere/fuzz." + format;
   // A byte of glTF may mean 64 vertices and triangles (GltfDocument::plausible_size()).
-  static const bool unfolds = name.extension() == ".gltf" || name.extension() == ".glb";
+  static const bool unfolds = format == "gltf" || format == "glb";
   constexpr std::int64_t unfolded = 64 * 256;
   PolygonMesh mesh;
   const auto read = [&] {
     encage::ReadNotes notes;
-    mesh = encage::decode_polygon_mesh({reinterpret_cast<const char*>(data), size}, ENCAGE_FUZZ_FORMAT, name, &notes);
+    mesh = encage::decode_polygon_mesh({reinterpret_cast<const char*>(data), size}, format, name, &notes);
   };
   const std::int64_t most = encage::fuzz::memory_for(size, unfolds ? 10 + unfolded : 10);
   const bool is_read = encage::fuzz::reads(most, read, name.string() + ": not enough memory");
