@@ -197,9 +197,12 @@ class GltfScene {
     const std::vector<double> translations = find("TRANSLATION", "VEC3", Components::any);
     const std::vector<double> rotations = find("ROTATION", "VEC4", Components::normalized);
     const std::vector<double> scales = find("SCALE", "VEC3", Components::any);
-    if (*count > document_.plausible_size()) {
-      attributes.fail("a file of this size cannot mean " + std::to_string(*count) + " instances");
+    // Those of meshes without triangles count as well: any number of nodes may have them.
+    if (*count > document_.plausible_size() - instance_count_) {
+      attributes.fail("a file of this size cannot mean " + std::to_string(*count) +
+                      (instance_count_ > 0 ? " more instances" : " instances"));
     }
+    instance_count_ += *count;
     std::vector<Eigen::Affine3d> result(static_cast<std::size_t>(*count), Eigen::Affine3d::Identity());
     for (std::size_t i = 0; i < result.size(); ++i) {
       if (!translations.empty()) result[i].translate(Eigen::Map<const Eigen::Vector3d>(translations.data() + 3 * i));
@@ -627,6 +630,7 @@ class GltfScene {
   std::map<std::int64_t, LocalMesh> meshes_;
   LocalMesh last_mesh_;
   std::set<std::int64_t> counted_meshes_, morphed_meshes_, skinned_meshes_;
+  std::int64_t instance_count_ = 0;  ///< of all nodes
   std::int64_t points_ = 0, lines_ = 0, without_positions_ = 0, hidden_nodes_ = 0;
   Soup soup_;
 };
