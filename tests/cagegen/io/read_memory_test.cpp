@@ -57,6 +57,16 @@ void expect_bounded(const std::string& format, const std::string& bytes, std::in
       << bytes.substr(0, 40) << ": " << (*memory - 64 * mebi) / size << " bytes for each of " << size;
 }
 
+/// The message of a refusal. Not by a file, which would be a seed of fuzzing: these are slow to read.
+std::string message_of(const std::string& glb) {
+  try {
+    decode_polygon_mesh(glb, "glb", "a.glb");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
 std::string repeated(const std::string& text, std::size_t count) {
   std::string result;
   result.reserve(text.size() * count);
@@ -130,7 +140,7 @@ TEST(ReadMemory, OfGltfThatUnfolds) {
     nowhere.json["scenes"][0]["nodes"].push_back(n);
   }
   expect_bounded("glb", nowhere.binary());
-  EXPECT_EQ(refusal("a.glb", nowhere.binary()), "no triangles in the scene");
+  EXPECT_EQ(message_of(nowhere.binary()), "a.glb: no triangles in the scene");
 
   // Joints, weights and displacements of vertices that are not there.
   GltfAsset skinned = asset;
@@ -163,9 +173,8 @@ TEST(ReadMemory, OfCompressedDataThatUnfold) {
     asset.json["scenes"][0]["nodes"].push_back(v);
   }
   expect_bounded("glb", asset.binary());
-  EXPECT_NE(
-      refusal("a.glb", asset.binary()).find("the compressed data unfold to more than a file of this size can mean"),
-      std::string::npos);
+  EXPECT_NE(message_of(asset.binary()).find("the compressed data unfold to more than a file of this size can mean"),
+            std::string::npos);
 }
 
 }  // namespace
