@@ -154,6 +154,30 @@ TEST(ReadMemory, OfGltfThatUnfolds) {
   expect_bounded("glb", skinned.binary());
 }
 
+// Nothing unfolds by them but the list of instances, at each of any number of nodes.
+TEST(ReadMemory, OfInstancesWithoutTriangles) {
+  GltfAsset empty = GltfAsset::mesh(std::vector<float>(9, 0));
+  empty.primitive()["mode"] = 0;
+  Json translations = empty.json["accessors"][0];
+  translations.erase("bufferView");
+  translations["count"] = 1 << 17;
+  empty.node(0)["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+      empty.add_accessor(translations);
+  EXPECT_EQ(message_of(empty.binary()), "a.glb: no triangles in the scene (skipped: 1 primitive of points)");
+  for (int n = 1; n < 4; ++n) {
+    empty.json["nodes"].push_back(empty.node(0));
+    empty.json["scenes"][0]["nodes"].push_back(n);
+  }
+  EXPECT_EQ(message_of(empty.binary()),
+            "a.glb: node 2.extensions.EXT_mesh_gpu_instancing.attributes: a file of this size cannot mean 131072 more "
+            "instances");
+  empty.json["accessors"].back()["count"] = INT64_MAX;
+  empty.node(0)["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"_ID", 1}};
+  EXPECT_EQ(message_of(empty.binary()),
+            "a.glb: node 0.extensions.EXT_mesh_gpu_instancing.attributes: a file of this size cannot mean "
+            "9223372036854775807 instances");
+}
+
 // Views that name the same compressed data: version 1 of the attribute codec, where 256 elements of zeros take 3 bytes.
 TEST(ReadMemory, OfCompressedDataThatUnfold) {
   constexpr int count = 256 * 400, views = 60;
