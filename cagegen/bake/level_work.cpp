@@ -7,9 +7,9 @@
 #include "cagegen/threads/parallel.h"
 
 #include <algorithm>
-#include <mutex>
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
+#include <mutex>
 #include <utility>
 
 namespace encage {
@@ -23,8 +23,8 @@ void start(makers::Control& control, const makers::Control& whole) {
   control.deadline = whole.deadline;
 }
 
-/// Which candidates are finished before one is chosen. With few faces it is hard to tell which will be the tightest, and
-/// finishing is quick.
+/// Which candidates are finished before one is chosen. With few faces it is hard to tell which will be the tightest,
+/// and finishing is quick.
 struct Finalists {
   std::size_t most;
   double excess;  ///< at most, in those of the tightest
@@ -90,7 +90,9 @@ std::optional<LevelWork::Result> LevelWork::run() {
   }
   // The flow was stopped, and there need not be a level.
   if (flow_.abandoned) return std::nullopt;
-  failure_ = !failed_.empty() ? failed_ : refused_.empty() ? all.back().maker->failure() : refused_ + ": the certificate refuses the cage";
+  failure_ = !failed_.empty()   ? failed_
+             : refused_.empty() ? all.back().maker->failure()
+                                : refused_ + ": the certificate refuses the cage";
   return std::nullopt;
 }
 

@@ -77,7 +77,10 @@ CLI::Option* add_json(CLI::App& app, fs::path& file, const std::string& descript
 
 void check_output(const fs::path& file, const fs::path& input) {
   if (is_standard_output(file)) return;
-  if (fs::is_directory(file)) throw Error(file.string() + ": is a folder");
+  std::error_code error;
+  const fs::file_type type = fs::status(file, error).type();
+  if (type == fs::file_type::none) throw Error(file.string() + ": cannot write: " + error.message());
+  if (type == fs::file_type::directory) throw Error(file.string() + ": is a folder");
   if (is_written_through(file)) {
     if (access(file.c_str(), W_OK) != 0) throw Error(file.string() + ": cannot write: " + std::strerror(errno));
     return;
@@ -100,12 +103,13 @@ void check_different(const fs::path& a, const fs::path& b) {
 }
 
 fs::path default_asset(const fs::path& input) {
-  if (!fs::is_regular_file(input) && (input == "-" || fs::exists(input))) {
+  std::error_code none;  // whoever opens a file says what is wrong with its name
+  if (!fs::is_regular_file(input, none) && (input == "-" || fs::exists(input, none))) {
     throw Error(input.string() + ": has no name to use for the output; choose it with -o");
   }
   fs::path file = input.filename().replace_extension(".glb");
   if (same_file(file, input)) file.replace_extension(".cages.glb");
-  if (fs::exists(file) && !is_asset(file)) {
+  if (fs::exists(file, none) && !is_asset(file)) {
     throw Error(file.string() + ": exists and holds no cages; choose the output with -o");
   }
   return file;

@@ -12,12 +12,12 @@ namespace encage::makers {
 
 namespace {
 
-constexpr int most_rounds = 8;             // of cutting planes for one placement
-constexpr double lift_clearances = 3;      // clearances that a placement aims for
-constexpr std::size_t hit_limit = 64;      // per triangle and round
-constexpr double thinnest_shape = 1e-4;    // height / longest edge of a cage triangle
+constexpr int most_rounds = 8;               // of cutting planes for one placement
+constexpr double lift_clearances = 3;        // clearances that a placement aims for
+constexpr std::size_t hit_limit = 64;        // per triangle and round
+constexpr double thinnest_shape = 1e-4;      // height / longest edge of a cage triangle
 constexpr std::size_t spare_triangles = 64;  // for splits, until the tree is built anew
-constexpr std::int32_t moved_vertex = -1;  // index of the vertex being placed
+constexpr std::int32_t moved_vertex = -1;    // index of the vertex being placed
 
 }  // namespace
 

@@ -11,8 +11,8 @@
 
 namespace encage::makers {
 
-/// The vertices of a mesh's convex hull, and the axes of a small box around them. The mesh need not be closed, and may be
-/// flat or collinear.
+/// The vertices of a mesh's convex hull, and the axes of a small box around them. The mesh need not be closed, and may
+/// be flat or collinear.
 struct ConvexFrame {
   ConvexFrame(const TriangleMesh& mesh, double clearance);
 

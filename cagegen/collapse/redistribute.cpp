@@ -39,9 +39,8 @@ std::vector<Split> splits_by_gain(CageEditor& cage) {
       if (const auto plan = cage.plan_split(u, v, reach)) splits.push_back({-plan->cost, u, v, reach});
     }
   }
-  std::sort(splits.begin(), splits.end(), [](const Split& a, const Split& b) {
-    return std::tie(b.gain, a.u, a.v) < std::tie(a.gain, b.u, b.v);
-  });
+  std::sort(splits.begin(), splits.end(),
+            [](const Split& a, const Split& b) { return std::tie(b.gain, a.u, a.v) < std::tie(a.gain, b.u, b.v); });
   return splits;
 }
 

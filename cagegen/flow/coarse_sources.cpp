@@ -16,11 +16,10 @@ namespace encage::makers {
 
 namespace {
 
-
 constexpr std::int64_t dense_faces = 12;  // of the target's: what a decimation begins with
 constexpr std::int64_t least_dense = 50'000;
 constexpr std::int64_t most_wrapped = 10'000;  // triangles up to which wraps flow too where others compete
-constexpr double part_gap = 10;  // clearances between parts of a coarse mesh
+constexpr double part_gap = 10;                // clearances between parts of a coarse mesh
 
 /// Parts inside others, and voids, are not worth a cage's triangles.
 std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
@@ -88,12 +87,12 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRe
       return **fine;
     };
     for (const auto& [name, kind] : {std::pair{"regular", Decimation::regular}, {"adaptive", Decimation::adaptive}}) {
-      sources.push_back(
-          {name, [=, &request] { return usable(decimate(dense(), request.faces, kind, gap, check)); }});
+      sources.push_back({name, [=, &request] { return usable(decimate(dense(), request.faces, kind, gap, check)); }});
     }
   }
   if (request.topology == Topology::keep) return sources;
-  if (choices.competes && request.faces > compete_faces && request.inner->triangles.rows() > most_wrapped) return sources;
+  if (choices.competes && request.faces > compete_faces && request.inner->triangles.rows() > most_wrapped)
+    return sources;
   const double fine = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 20;
   for (const double parameter : {100.0, 50.0, 20.0, 10.0, 5.0}) {
     if (parameter > fine) continue;

@@ -31,8 +31,8 @@ constexpr int flow_steps = 150;
 constexpr int most_expansions = 10;
 constexpr int competing_expansions = 2;
 constexpr int expansion_patience = 3;
-constexpr double expansion_reach = 1e-2;     // diagonals, of one expansion
-constexpr double far_motion = 0.12;  // sizes of a coarse triangle, beyond which a wrap competes with decimations
+constexpr double expansion_reach = 1e-2;  // diagonals, of one expansion
+constexpr double far_motion = 0.12;       // sizes of a coarse triangle, beyond which a wrap competes with decimations
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 

@@ -20,13 +20,13 @@ struct FlowChoices {
   EnergyPtr inflate;                         ///< never null
   EnergyPtr final;                           ///< never null
   FlowPath path = FlowPath::straight;
-  /// Other cages compete: what they do better is left to them (alpha wraps, but for small cages), and a flow that stalls
-  /// is given up soon.
+  /// Other cages compete: what they do better is left to them (alpha wraps, but for small cages), and a flow that
+  /// stalls is given up soon.
   bool competes = false;
 };
 
-/// Makes cages by flow and re-inflation: decimates, lets F flow into the coarse mesh, moves it back while the cage gives
-/// way, and minimises the final energy. Refers to its arguments.
+/// Makes cages by flow and re-inflation: decimates, lets F flow into the coarse mesh, moves it back while the cage
+/// gives way, and minimises the final energy. Refers to its arguments.
 std::unique_ptr<CandidateMaker> flow_maker(const Obstacle& obstacle, const LevelRequest& request,
                                            const FlowChoices& choices, Control& control);
 

@@ -412,6 +412,11 @@ std::vector<std::uint8_t> GltfDocument::decompress(const JsonNode& extension) {
     extension.fail("count " + std::to_string(count) + " is no whole number of triangles");
   }
   if (!attributes && filter != "NONE") extension.fail("the filter " + filter + " does not go with the mode " + mode);
+  // Many views may name the same data.
+  constexpr std::size_t largest_vertex = 16;
+  if (count > (largest_vertex * static_cast<std::size_t>(plausible_size()) - decompressed_bytes_) / stride) {
+    extension.fail("the compressed data unfold to more than a file of this size can mean");
+  }
   std::optional<std::vector<std::uint8_t>> result = decode_meshopt(attributes            ? MeshoptMode::attributes
                                                                    : mode == "TRIANGLES" ? MeshoptMode::triangles
                                                                                          : MeshoptMode::indices,
@@ -420,6 +425,7 @@ std::vector<std::uint8_t> GltfDocument::decompress(const JsonNode& extension) {
   if (!apply_meshopt_filter(filter, *result, stride)) {
     extension.fail("the filter " + filter + " is unknown, or does not go with byteStride " + std::to_string(stride));
   }
+  decompressed_bytes_ += result->size();
   return *std::move(result);
 }
 
@@ -462,21 +468,21 @@ GltfDocument::Elements GltfDocument::elements(const JsonNode& reference, const c
   result.width = component_count(type);
   if (node.find("bufferView")) result = strided(reference, node, result);
   result.normalized = normalized && normalized->boolean();
+  // Without data of their own or compressed, elements take no bytes of the file. A triangle has three indices.
+  if (count > plausible_size() * (result.width == 1 ? 3 : 1)) {
+    reference.fail(name + " has more elements than a file of this size can mean");
+  }
   const std::optional<JsonNode> sparse = node.find("sparse");
   if (sparse) {
     change(reference, *sparse, result);
   } else if (!node.find("bufferView")) {
-    own(reference, result);
+    own(result);
   }
   return result;
 }
 
 /// Copies the elements, zeros where no buffer has them.
-void GltfDocument::own(const JsonNode& reference, Elements& elements) const {
-  if (elements.data == nullptr && elements.count > plausible_size()) {
-    reference.fail("accessor " + std::to_string(elements.accessor) +
-                   " has more elements than a file of this size can mean");
-  }
+void GltfDocument::own(Elements& elements) {
   const std::size_t size = elements.size();
   std::vector<std::uint8_t> copy(static_cast<std::size_t>(elements.count) * size);
   for (std::size_t i = 0; elements.data != nullptr && i < static_cast<std::size_t>(elements.count); ++i) {
@@ -497,7 +503,7 @@ void GltfDocument::change(const JsonNode& reference, const JsonNode& sparse, Ele
   if (!is_index(indices.component)) reference.fail(name + " has sparse indices that are no unsigned integers");
   indices = strided(reference, sparse.at("indices"), indices);
   values = strided(reference, sparse.at("values"), values);
-  own(reference, elements);
+  own(elements);
   with_component(indices.component, [&](auto index) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(indices.count); ++i) {
       index = load_as<decltype(index)>(indices.data + i * indices.stride);

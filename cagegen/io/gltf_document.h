@@ -73,7 +73,7 @@ class GltfDocument {
   Elements elements(const JsonNode& reference, const char* type);
   Elements strided(const JsonNode& reference, const JsonNode& data, Elements elements);
   void change(const JsonNode& reference, const JsonNode& sparse, Elements& elements);
-  void own(const JsonNode& reference, Elements& elements) const;
+  static void own(Elements& elements);
 
   const std::filesystem::path& file_;
   nlohmann::json json_;
@@ -81,6 +81,7 @@ class GltfDocument {
   std::int64_t bytes_read_ = 0;
   std::map<std::int64_t, std::string> buffers_;
   std::map<std::int64_t, std::vector<std::uint8_t>> decompressed_;  ///< by buffer view
+  std::size_t decompressed_bytes_ = 0;
 };
 
 /// An extension of an element.

@@ -17,8 +17,8 @@ namespace encage::io {
 
 /// The mesh while it is being read.
 struct Soup {
-  std::vector<double> coordinates;  ///< x, y, z of all vertices
-  std::vector<std::int64_t> corners;
+  std::vector<double> coordinates;    ///< x, y, z of all vertices
+  std::vector<std::int32_t> corners;  ///< of more vertices than these can number validate() refuses the mesh
   std::vector<std::int64_t> first{0};
   /// They tell the user what the reader skipped or put up with: few, short, without the file's name and a full stop.
   std::vector<std::string> notes;

@@ -135,7 +135,7 @@ class AssimpScene {
                "face " + std::to_string(f) + ": vertex index " + std::to_string(index) + " is out of range (" +
                    std::to_string(mesh.mNumVertices) + " vertices)");
         }
-        soup_.corners.push_back(base + index);
+        soup_.corners.push_back(static_cast<std::int32_t>(base + index));
       }
       soup_.end_polygon();
     }

@@ -31,7 +31,7 @@ constexpr double bind_pose_rounding = 1e-5;
 /// A mesh before its node places it.
 struct LocalMesh {
   std::vector<double> coordinates;
-  std::vector<std::int64_t> corners;  ///< three for each triangle
+  std::vector<std::int32_t> corners;  ///< three for each triangle
   bool mirrored = false;              ///< its joints mirror it
 };
 
@@ -168,11 +168,14 @@ class GltfScene {
     const std::optional<JsonNode> skin = node.find("skin");
     const std::optional<JsonNode> instancing = find_extension(node, "EXT_mesh_gpu_instancing");
     if (skin && instancing) node.fail("EXT_mesh_gpu_instancing does not say where instances of a skinned mesh are");
-    const LocalMesh& mesh = local_mesh(node, reference);
     // The joints of a skinned mesh place it, and not its node.
-    if (skin) return add(node, mesh, Eigen::Affine3d::Identity());
-    if (!instancing) return add(node, mesh, global);
-    for (const Eigen::Affine3d& instance : instances(*instancing)) add(node, mesh, global * instance);
+    if (skin) return add(node, local_mesh(node, reference), Eigen::Affine3d::Identity());
+    if (!instancing) return add(node, local_mesh(node, reference), global);
+    const std::vector<Eigen::Affine3d> places = instances(*instancing);
+    // A mesh that is nowhere is not kept either: a file could have any number of them.
+    if (places.empty()) return;
+    const LocalMesh& mesh = local_mesh(node, reference);
+    for (const Eigen::Affine3d& place : places) add(node, mesh, global * place);
   }
 
   std::vector<Eigen::Affine3d> instances(const JsonNode& instancing) {
@@ -194,9 +197,12 @@ class GltfScene {
     const std::vector<double> translations = find("TRANSLATION", "VEC3", Components::any);
     const std::vector<double> rotations = find("ROTATION", "VEC4", Components::normalized);
     const std::vector<double> scales = find("SCALE", "VEC3", Components::any);
-    if (*count > document_.plausible_size()) {
-      attributes.fail("a file of this size cannot mean " + std::to_string(*count) + " instances");
+    // Those of meshes without triangles count as well: any number of nodes may have them.
+    if (*count > document_.plausible_size() - instance_count_) {
+      attributes.fail("a file of this size cannot mean " + std::to_string(*count) +
+                      (instance_count_ > 0 ? " more instances" : " instances"));
     }
+    instance_count_ += *count;
     std::vector<Eigen::Affine3d> result(static_cast<std::size_t>(*count), Eigen::Affine3d::Identity());
     for (std::size_t i = 0; i < result.size(); ++i) {
       if (!translations.empty()) result[i].translate(Eigen::Map<const Eigen::Vector3d>(translations.data() + 3 * i));
@@ -230,7 +236,7 @@ class GltfScene {
     const bool mirrored = mesh.mirrored != (to_scene.linear().determinant() < 0);
     for (std::size_t i = 0; i < mesh.corners.size(); i += 3) {
       for (const std::size_t k : {std::size_t{0}, std::size_t{mirrored ? 2u : 1u}, std::size_t{mirrored ? 1u : 2u}}) {
-        soup_.corners.push_back(base + mesh.corners[i + k]);
+        soup_.corners.push_back(static_cast<std::int32_t>(base + mesh.corners[i + k]));
       }
       soup_.end_polygon();
     }
@@ -495,7 +501,9 @@ class GltfScene {
         std::size_t corners[3] = {i, i + 1, i + 2};
         if (mode == Mode::triangle_strip && i % 2 == 1) std::swap(corners[1], corners[2]);
         if (mode == Mode::triangle_fan) corners[0] = 0;
-        for (const std::size_t corner : corners) result_.corners.push_back(vertices.first + indices[corner]);
+        for (const std::size_t corner : corners) {
+          result_.corners.push_back(static_cast<std::int32_t>(vertices.first + indices[corner]));
+        }
       }
     }
 
@@ -622,6 +630,7 @@ class GltfScene {
   std::map<std::int64_t, LocalMesh> meshes_;
   LocalMesh last_mesh_;
   std::set<std::int64_t> counted_meshes_, morphed_meshes_, skinned_meshes_;
+  std::int64_t instance_count_ = 0;  ///< of all nodes
   std::int64_t points_ = 0, lines_ = 0, without_positions_ = 0, hidden_nodes_ = 0;
   Soup soup_;
 };

@@ -14,6 +14,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace encage {
 namespace io {
@@ -54,18 +55,18 @@ void require_finite(const std::filesystem::path& file, const Soup& soup) {
 
 void share_vertices(Soup& soup) {
   const std::vector<std::int32_t> same = weld(soup.coordinates);
-  std::vector<std::int64_t> number(same.size());
-  std::int64_t kept = 0;
+  std::vector<std::int32_t> number(same.size());
+  std::int32_t kept = 0;
   for (std::size_t v = 0; v < same.size(); ++v) {
     if (same[v] != static_cast<std::int32_t>(v)) {
       number[v] = number[same[v]];
       continue;
     }
-    for (int k = 0; k < 3; ++k) soup.coordinates[3 * kept + k] = soup.coordinates[3 * v + k];
+    for (int k = 0; k < 3; ++k) soup.coordinates[std::size_t{3} * kept + k] = soup.coordinates[3 * v + k];
     number[v] = kept++;
   }
-  soup.coordinates.resize(3 * kept);
-  for (std::int64_t& corner : soup.corners) corner = number[corner];
+  soup.coordinates.resize(std::size_t{3} * kept);
+  for (std::int32_t& corner : soup.corners) corner = number[corner];
 }
 
 void validate(const std::filesystem::path& file, const Soup& soup) {
@@ -91,11 +92,12 @@ void validate(const std::filesystem::path& file, const Soup& soup) {
 
 namespace {
 
-PolygonMesh to_mesh(const Soup& soup) {
+PolygonMesh to_mesh(Soup soup) {
   PolygonMesh mesh;
   mesh.vertices = Eigen::Map<const Vertices>(soup.coordinates.data(), soup.vertex_count(), 3);
-  mesh.corners.assign(soup.corners.begin(), soup.corners.end());
-  mesh.first = soup.first;
+  soup.coordinates = {};
+  mesh.corners = std::move(soup.corners);
+  mesh.first = std::move(soup.first);
   return mesh;
 }
 
@@ -170,10 +172,10 @@ Soup read_soup(const std::filesystem::path& file, std::string_view bytes, const 
 PolygonMesh decode_polygon_mesh(std::string_view bytes, const std::string& format, const std::filesystem::path& name,
                                 ReadNotes* notes) {
   try {
-    const io::Soup soup = io::read_soup(name, bytes, io::lower_case(format));
+    io::Soup soup = io::read_soup(name, bytes, io::lower_case(format));
     io::validate(name, soup);
     if (notes != nullptr) notes->insert(notes->end(), soup.notes.begin(), soup.notes.end());
-    return io::to_mesh(soup);
+    return io::to_mesh(std::move(soup));
   } catch (const std::bad_alloc&) {
     io::fail(name, "not enough memory");
   }

@@ -3,6 +3,7 @@
 #include "cagegen/io/text_scanner.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -12,17 +13,17 @@ namespace encage::io {
 namespace {
 
 /// The vertex of "v", "v/vt", "v//vn" or "v/vt/vn": from 1, or from the end if negative.
-std::int64_t read_corner(const TextScanner& scanner, std::string_view token, const Soup& soup) {
+std::int32_t read_corner(const TextScanner& scanner, std::string_view token, const Soup& soup) {
   const std::string_view vertex = token.substr(0, token.find('/'));
   const std::int64_t face = soup.polygon_count();
   if (vertex.empty()) scanner.fail("face", face, "corner without a vertex index");
   const std::int64_t index = scanner.integer(vertex, "face", face);
-  if (index == 0 || index < -soup.vertex_count()) {
+  if (index == 0 || index < -soup.vertex_count() || index > INT32_MAX) {
     scanner.fail("face", face,
                  "vertex index " + std::to_string(index) + " is out of range (" + std::to_string(soup.vertex_count()) +
                      " vertices so far)");
   }
-  return index > 0 ? index - 1 : soup.vertex_count() + index;
+  return static_cast<std::int32_t>(index > 0 ? index - 1 : soup.vertex_count() + index);
 }
 
 /// What lines begin with that neither is part of the surface nor moves it: normals, names, groups, materials, and how
@@ -117,8 +118,9 @@ class ObjReader {
       for (std::int64_t c = soup_.first[f]; c < soup_.first[f + 1]; ++c) {
         if (soup_.corners[c] < soup_.vertex_count()) continue;
         fail(file_, "face", f,
-             "line " + std::to_string(face_lines_[f]) + ": vertex index " + std::to_string(soup_.corners[c] + 1) +
-                 " is out of range (" + std::to_string(soup_.vertex_count()) + " vertices)");
+             "line " + std::to_string(face_lines_[f]) + ": vertex index " +
+                 std::to_string(std::int64_t{soup_.corners[c]} + 1) + " is out of range (" +
+                 std::to_string(soup_.vertex_count()) + " vertices)");
       }
     }
   }

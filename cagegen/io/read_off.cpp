@@ -70,7 +70,7 @@ Soup read_off(const std::filesystem::path& file, std::string_view bytes) {
                      "vertex index " + std::to_string(index) + " is out of range (" + std::to_string(header.vertices) +
                          " vertices)");
       }
-      soup.corners.push_back(index);
+      soup.corners.push_back(static_cast<std::int32_t>(index));
     }
     soup.end_polygon();
     scanner.skip_line();

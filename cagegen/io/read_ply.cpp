@@ -141,11 +141,25 @@ class HeaderReader {
   bool has_line_feeds_ = false;
 };
 
+std::int64_t count_of(const PlyHeader& header, std::string_view name) {
+  for (const Element& element : header.elements) {
+    if (element.name == name) return element.count;
+  }
+  return 0;
+}
+
 /// Values one after the other, in text or in binary.
 class Body {
  public:
-  Body(const std::filesystem::path& file, std::string_view bytes, Format format)
-      : file_(file), bytes_(bytes), format_(format), scanner_(file, bytes) {}
+  Body(const std::filesystem::path& file, std::string_view bytes, const PlyHeader& header)
+      : file_(file),
+        bytes_(bytes),
+        format_(header.format),
+        vertices_(count_of(header, "vertex")),
+        scanner_(file, bytes) {}
+
+  /// What follows holds no more values.
+  std::size_t most_values() const { return bytes_.size() - at_; }
 
   double value(Type type, const char* element, std::int64_t number) {
     if (format_ == Format::ascii) {
@@ -207,6 +221,18 @@ class Body {
     return static_cast<std::int64_t>(result);
   }
 
+  /// An integer that can be the index of a vertex, or -1.
+  std::int32_t index(Type type, const char* element, std::int64_t number) {
+    const std::int64_t result = integer(type, element, number);
+    if (result < INT32_MIN || result > INT32_MAX) out_of_range(element, number, result);
+    return static_cast<std::int32_t>(result);
+  }
+
+  [[noreturn]] void out_of_range(const char* element, std::int64_t number, std::int64_t index) const {
+    io::fail(file_, element, number,
+             "vertex index " + std::to_string(index) + " is out of range (" + std::to_string(vertices_) + " vertices)");
+  }
+
  private:
   [[noreturn]] void ends_early(const char* element, std::int64_t number) const {
     io::fail(file_, element, number, "the file ends early: the header promises more");
@@ -227,6 +253,7 @@ class Body {
   const std::filesystem::path& file_;
   std::string_view bytes_;
   Format format_;
+  std::int64_t vertices_;
   TextScanner scanner_;
   std::size_t at_ = 0;
 };
@@ -266,18 +293,21 @@ std::size_t corner_list(const Element& element) {
   return static_cast<std::size_t>(found - all.begin());
 }
 
-/// Reads an element and hands on the values of one of its lists.
+/// Reads an element and hands on the values of one of its lists, which are indices of vertices.
 template <class Use>
 void read_lists(const Element& element, std::size_t list, const char* name, Body& body, const Use& use) {
-  std::vector<std::int64_t> values;
+  std::vector<std::int32_t> values;
   for (std::int64_t e = 0; e < element.count; ++e) {
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const Property& property = element.properties[p];
       const std::int64_t count = body.count(property, name, e);
-      if (p == list) values.clear();
+      if (p == list) {
+        values.clear();
+        values.reserve(plausible_count(count, body.most_values()));
+      }
       for (std::int64_t i = 0; i < count; ++i) {
         if (p == list) {
-          values.push_back(body.integer(property.type, name, e));
+          values.push_back(body.index(property.type, name, e));
         } else {
           body.value(property.type, name, e);
         }
@@ -291,19 +321,19 @@ void read_lists(const Element& element, std::size_t list, const char* name, Body
 void read_faces(const std::filesystem::path& file, const Element& element, Body& body, Soup& soup) {
   const std::size_t list = corner_list(element);
   if (list == element.properties.size()) fail(file, "the faces have no list 'vertex_indices'");
-  read_lists(element, list, "face", body, [&](std::int64_t, const std::vector<std::int64_t>& corners) {
+  read_lists(element, list, "face", body, [&](std::int64_t, const std::vector<std::int32_t>& corners) {
     soup.corners.insert(soup.corners.end(), corners.begin(), corners.end());
     soup.end_polygon();
   });
 }
 
 /// Triangles of consecutive corners, every other one turned; -1 begins another strip.
-void add_strips(const std::vector<std::int64_t>& indices, Soup& soup) {
+void add_strips(const std::vector<std::int32_t>& indices, Soup& soup) {
   std::size_t begin = 0;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] == -1) begin = i + 1;
     if (i < begin + 2) continue;
-    std::array<std::int64_t, 3> corners = {indices[i - 2], indices[i - 1], indices[i]};
+    std::array<std::int32_t, 3> corners = {indices[i - 2], indices[i - 1], indices[i]};
     if ((i - begin) % 2 == 1) std::swap(corners[0], corners[1]);
     // Writers repeat corners to go on elsewhere; what lies between is no part of the surface.
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
@@ -317,11 +347,10 @@ void read_strips(const std::filesystem::path& file, const Element& element, std:
                  Soup& soup) {
   const std::size_t list = corner_list(element);
   if (list == element.properties.size()) fail(file, "the triangle strips have no list 'vertex_indices'");
-  read_lists(element, list, "triangle strip", body, [&](std::int64_t s, const std::vector<std::int64_t>& indices) {
-    for (const std::int64_t index : indices) {
+  read_lists(element, list, "triangle strip", body, [&](std::int64_t s, const std::vector<std::int32_t>& indices) {
+    for (const std::int32_t index : indices) {
       if (index >= -1 && index < vertices) continue;
-      fail(file, "triangle strip", s,
-           "vertex index " + std::to_string(index) + " is out of range (" + std::to_string(vertices) + " vertices)");
+      body.out_of_range("triangle strip", s, index);
     }
     add_strips(indices, soup);
   });
@@ -336,13 +365,6 @@ void skip(const Element& element, Body& body, Soup& soup) {
   }
 }
 
-std::int64_t count_of(const PlyHeader& header, std::string_view name) {
-  for (const Element& element : header.elements) {
-    if (element.name == name) return element.count;
-  }
-  return 0;
-}
-
 }  // namespace
 
 Soup read_ply(const std::filesystem::path& file, std::string_view bytes) {
@@ -350,7 +372,7 @@ Soup read_ply(const std::filesystem::path& file, std::string_view bytes) {
   Soup soup;
   if (has_byte_order_mark(bytes)) soup.notes.emplace_back(byte_order_mark_note);
   const PlyHeader header = HeaderReader(file, bytes).read();
-  Body body(file, bytes, header.format);
+  Body body(file, bytes, header);
   for (const Element& element : header.elements) {
     if (element.properties.empty()) continue;
     if (element.name == "vertex") {

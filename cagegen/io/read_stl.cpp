@@ -185,8 +185,9 @@ Soup read_stl(const std::filesystem::path& file, std::string_view bytes) {
   }
   if (soup.vertex_count() > INT32_MAX) fail(file, "more than 2^31 - 1 corners");
   // STL repeats every vertex in each of its triangles.
+  soup.corners.reserve(static_cast<std::size_t>(soup.vertex_count()));
   for (std::int64_t v = 0; v < soup.vertex_count(); ++v) {
-    soup.corners.push_back(v);
+    soup.corners.push_back(static_cast<std::int32_t>(v));
     if (v % 3 == 2) soup.end_polygon();
   }
   share_vertices(soup);

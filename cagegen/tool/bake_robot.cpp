@@ -80,20 +80,23 @@ fs::path checked_folder(const RobotArguments& arguments) {
     folder = arguments.input.stem();
   }
   if (is_standard_output(folder)) throw Error(folder.string() + ": the assets of a robot go into a folder");
-  if (fs::exists(folder) && !fs::is_directory(folder)) throw Error(folder.string() + ": is no folder");
+  std::error_code none;
+  const bool exists = fs::exists(folder, none);
+  if (exists && !fs::is_directory(folder, none)) throw Error(folder.string() + ": is no folder");
   // A name that ends in a slash names the same folder.
   if (!folder.has_filename()) folder = folder.parent_path();
-  if (!fs::exists(folder)) check_output(folder, arguments.input);
+  if (!exists) check_output(folder, arguments.input);
   if (!arguments.json.empty()) check_output(arguments.json, arguments.input);
   return folder;
 }
 
 /// Throws Error if an asset would replace something that is none.
 void check_assets(const Urdf& urdf, const fs::path& folder, const fs::path& json) {
+  std::error_code none;
   for (const UrdfMesh& mesh : urdf.meshes) {
     const fs::path file = folder / (mesh.body + ".glb");
-    if (fs::exists(folder)) check_output(file, mesh.file);
-    if (fs::exists(file) && !is_asset(file)) {
+    if (fs::exists(folder, none)) check_output(file, mesh.file);
+    if (fs::exists(file, none) && !is_asset(file)) {
       throw Error(file.string() + ": exists and holds no cages; choose another folder with -o");
     }
     if (!json.empty()) check_output(json, mesh.file);

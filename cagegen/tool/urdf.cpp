@@ -41,9 +41,16 @@ bool parse_vector(std::string_view text, Eigen::Vector3d& vector) {
   return at == end;
 }
 
-/// Names of links may hold anything; those of files had better not.
+/// Names in a description may be ones that no file can have, as those that are too long: such files are not there.
+bool is_there(const fs::path& file) {
+  std::error_code none;
+  return fs::exists(file, none);
+}
+
+/// Names of links may hold anything, and be as long as they like; those of files had better not.
 std::string file_name(const std::string& link) {
-  std::string name = link;
+  constexpr std::size_t most = 200;
+  std::string name = link.substr(0, most);
   for (char& c : name) {
     const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
                        c == '-' || c == '.' || c == ' ' || static_cast<unsigned char>(c) >= 0x80;
@@ -141,7 +148,7 @@ class UrdfReader {
       fail(link, "'" + name + "': only file names, file://, package:// and model:// are followed");
     }
     const fs::path found = path.is_absolute() ? path : folder() / path;
-    if (!fs::exists(found)) fail(link, "mesh '" + name + "' is not there: looked for " + found.string());
+    if (!is_there(found)) fail(link, "mesh '" + name + "' is not there: looked for " + found.string());
     return found;
   }
 
@@ -153,10 +160,11 @@ class UrdfReader {
     if (package.empty() || package == "/" || package == "." || package == "..") {
       fail(link, "'" + name + "' names no package");
     }
-    const fs::path start = fs::absolute(folder()).lexically_normal();
+    std::error_code none;
+    const fs::path start = fs::absolute(folder(), none).lexically_normal();
     for (const fs::path& wanted : {inside, inside.lexically_relative(package)}) {
       for (fs::path above = start;; above = above.parent_path()) {
-        if (fs::is_regular_file(above / wanted)) {
+        if (fs::is_regular_file(above / wanted, none)) {
           if (wanted != inside) renamed_[package] = above.string();
           return relative_to_folder(above / wanted);
         }
@@ -169,7 +177,9 @@ class UrdfReader {
 
   /// As short as the user named the description.
   fs::path relative_to_folder(const fs::path& found) const {
-    return file_.is_absolute() ? found : fs::proximate(found);
+    std::error_code none;
+    const fs::path relative = file_.is_absolute() ? fs::path() : fs::proximate(found, none);
+    return relative.empty() ? found : relative;
   }
 
   fs::path folder() const { return file_.has_parent_path() ? file_.parent_path() : fs::path("."); }

@@ -95,6 +95,7 @@ AssetIndex decode_index(std::span<const std::byte> bytes, const std::string& fil
   if (trailer.has_fine > 1) {
     throw Error(place + "the mark of a source is " + std::to_string(trailer.has_fine) + ", not 0 or 1");
   }
+  if (trailer.meshes == 0) throw Error(place + "it has no meshes");
   if (!index.origin.allFinite()) throw Error(place + "the origin is not finite");
   if (!(index.fine_error >= 0) || std::isinf(index.fine_error)) {
     throw Error(place + "fine_error is not a finite distance");

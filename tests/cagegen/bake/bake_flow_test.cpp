@@ -107,8 +107,8 @@ TEST(BakeFlow, SameCagesForAnyNumberOfThreads) {
   }
 }
 
-/// The methods compete level by level, each around the tightest cage so far; a level may then come out looser than that of
-/// a chain of its own, but not by much.
+/// The methods compete level by level, each around the tightest cage so far; a level may then come out looser than that
+/// of a chain of its own, but not by much.
 TEST(BakeFlow, AutomaticIsAboutAsTightAsTheBetterMethod) {
   for (const TriangleMesh& mesh :
        {sphere(2), torus(1, 0.4, 16, 8), joined(sphere(2), moved(scaled(sphere(1), 0.5), {3, 0, 0}))}) {

@@ -145,8 +145,10 @@ TEST(ConvexStarts, EncloseAnything) {
       expect_cage(mesh, Solid::surface_only, tetrahedron, clearance * diagonal);
     }
   }
-  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[0]), ConvexFrame(meshes[0], 1e-5), 1e-5)), 1.01 * signed_volume(meshes[0]));
-  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[1]), ConvexFrame(meshes[1], 1e-5), 1e-5)), 1.01 / 6) << "the box's middle is outside";
+  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[0]), ConvexFrame(meshes[0], 1e-5), 1e-5)),
+            1.01 * signed_volume(meshes[0]));
+  EXPECT_LT(signed_volume(hull_start(Obstacle(meshes[1]), ConvexFrame(meshes[1], 1e-5), 1e-5)), 1.01 / 6)
+      << "the box's middle is outside";
 }
 
 void expect_manifold(const TriangleMesh& mesh) {

@@ -7,6 +7,7 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -91,6 +92,17 @@ inline TriangleMesh without_triangles(TriangleMesh mesh, Eigen::Index from, Eige
   return mesh;
 }
 
+/// Where the environment says so, fuzzing begins with the files that tests read (scripts/fuzz).
+inline void keep_as_seed(const std::string& name, std::string_view bytes) {
+  static const char* const seeds = std::getenv("ENCAGE_SEEDS");
+  constexpr std::size_t large = 1 << 14;
+  const std::string extension = std::filesystem::path(name).extension().string();
+  if (seeds == nullptr || bytes.size() > large || extension.empty()) return;
+  const std::filesystem::path folder = std::filesystem::path(seeds) / extension.substr(1);
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / std::to_string(std::hash<std::string_view>()(bytes)), std::ios::binary) << bytes;
+}
+
 /// A folder that goes with the test.
 class Folder {
  public:
@@ -105,6 +117,7 @@ class Folder {
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
     std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    keep_as_seed(name, bytes);
     return path_ / name;
   }
   std::size_t file_count() const {

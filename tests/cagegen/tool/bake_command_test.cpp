@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "oracles/meshes.h"
+#include "tests/cagegen/io/gltf_asset.h"
 #include "tests/cagegen/tool/command_fixture.h"
 
 #include <encage/asset.h>
+#include <encage/bake.h>
 
 #include <nlohmann/json.hpp>
 #include <signal.h>
@@ -11,6 +13,7 @@
 #include <filesystem>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace encage::test {
@@ -223,6 +226,74 @@ TEST_F(BakeCommand, WhatTheReaderSkippedIsNoted) {
   EXPECT_NE(result.err.find("note: lines.obj: skipped: 1 line element\n"), std::string::npos) << result.err;
 }
 
+/// A torus as glTF.
+GltfAsset gltf_torus() {
+  const TriangleMesh mesh = torus(24, 12);
+  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> points = mesh.vertices.cast<float>();
+  const Eigen::Matrix<std::uint16_t, Eigen::Dynamic, 3, Eigen::RowMajor> indices = mesh.triangles.cast<std::uint16_t>();
+  return GltfAsset::mesh({points.data(), points.data() + points.size()},
+                         {indices.data(), indices.data() + indices.size()});
+}
+
+TEST_F(BakeCommand, NotesOfEveryReaderReachTheUser) {
+  GltfAsset gltf = gltf_torus();
+  gltf.json["scenes"].push_back({{"nodes", {0}}});
+  gltf.json["animations"] = Json::array({Json::object()});
+  folder.write("a.gltf", gltf.text());
+  folder.write("a.glb", gltf.binary());
+  for (const char* const format : {"off", "ply", "stl"}) {
+    write_mesh(folder.path() / (std::string("a.") + format), torus(24, 12));
+  }
+  folder.write("a.off", folder.read("a.off") + "3 0 1 2\n");
+  std::string ply = folder.read("a.ply");
+  const std::string list = "element hole 1\nproperty list uchar int vertex_indices\n";
+  folder.write("a.ply", ply.insert(ply.find("end_header"), list) + '\0');
+  folder.write("a.stl", folder.read("a.stl") + "behind");
+  folder.write("a.obj", "\xEF\xBB\xBF" + folder.read("model.obj"));
+  const std::string skipped = "skipped: 1 other scene", pose = "only the default pose is read: 1 animation";
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+      {"a.gltf", {skipped, pose}},
+      {"a.glb", {skipped, pose}},
+      {"a.off", {"skipped: the file goes on, at line "}},
+      {"a.ply", {"skipped: 1 of element 'hole', which are no faces"}},
+      {"a.stl", {"skipped: 6 bytes behind the last of the 576 triangles that the header promises"}},
+      {"a.obj", {"a byte order mark was skipped"}}};
+  for (const auto& [file, notes] : cases) {
+    const RunResult result = encage({"bake", file, "-o", "out.glb", "--faces", "60", "--json"});
+    EXPECT_EQ(result.status, 0) << file << result.err;
+    for (const std::string& note : notes) {
+      EXPECT_NE(result.err.find("note: " + file + ": " + note), std::string::npos) << result.err;
+    }
+    // What others read is the JSON alone.
+    EXPECT_TRUE(Json::accept(result.out)) << file << result.out;
+    EXPECT_EQ(result.out.find("note"), std::string::npos) << file;
+    const RunResult checked = encage({"check", "out.glb", "--source", file});
+    EXPECT_EQ(checked.status, 0) << file << checked.out << checked.err;
+    EXPECT_NE(checked.err.find(file + ": " + notes[0]), std::string::npos) << checked.err;
+  }
+}
+
+TEST_F(BakeCommand, RefusalsOfGltfNameTheElement) {
+  const auto refused = [&](const GltfAsset& asset, const std::string& reason) {
+    folder.write("a.gltf", asset.text());
+    expect_refused({"bake", "a.gltf", "-o", "out.glb"}, "encage: a.gltf: " + reason);
+    folder.write("a.glb", asset.binary());
+    expect_refused({"bake", "a.glb", "-o", "out.glb"}, "encage: a.glb: " + reason);
+  };
+  GltfAsset asset = gltf_torus();
+  asset.require("EXT_of_tomorrow");
+  refused(asset, "the file requires the extension EXT_of_tomorrow, which Encage does not know");
+  asset = gltf_torus();
+  asset.json["accessors"][0]["count"] = 1000;
+  refused(asset, "mesh 0, primitive 0.attributes.POSITION: accessor 0 reaches beyond buffer view 0");
+  asset = gltf_torus();
+  asset.primitive()["mode"] = 1;
+  refused(asset, "no triangles in the scene (skipped: 1 primitive of lines)");
+  asset = gltf_torus();
+  asset.json["asset"]["version"] = "1.0";
+  refused(asset, "glTF 1.0 is not supported");
+}
+
 /// Of a tree of leaf cards, thousands of which are open and half of which face inward.
 TEST_F(BakeCommand, NotesAreFewAndInTheUsersWords) {
   TriangleMesh tree = torus(24, 12);
@@ -264,6 +335,11 @@ TEST_F(BakeCommand, OutputsAreCheckedFirst) {
   std::filesystem::create_directory(folder.path() / "folder.glb");
   expect_refused({"bake", "missing.obj", "-o", "folder.glb"}, "folder.glb: is a folder");
   expect_refused({"bake", "model.obj", "--json", "model.obj"}, "input");
+  // Names that no file can have.
+  const std::string endless(300, 'a');
+  expect_refused({"bake", "model.obj", "-o", endless + ".glb"}, endless + ".glb: cannot write: File name too long");
+  expect_refused({"bake", endless + ".obj"}, ": File name too long");
+  expect_refused({"bake", endless + ".obj", "-o", "out.glb"}, endless + ".obj: cannot open: File name too long");
 }
 
 TEST_F(BakeCommand, BadOptionsAreNamed) {

@@ -95,6 +95,16 @@ TEST_F(BakeRobot, PackagesAreFoundAboveTheDescription) {
   EXPECT_NE(renamed.err.find("no folder is called 'hand'; its files are taken from "), std::string::npos);
 }
 
+TEST_F(BakeRobot, LongNamesOfLinksAreCut) {
+  const std::string first = std::string(300, 'a') + '1', second = std::string(300, 'a') + '2';
+  folder.write("robot.urdf", robot(link(first, collision("model.obj")) + link(second, collision("model.obj"))));
+  const RunResult result = encage({"bake", "robot.urdf", "--faces", "100"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  const fs::path assets = folder.path() / "robot";
+  EXPECT_TRUE(fs::exists(assets / (std::string(200, 'a') + ".glb")));
+  EXPECT_TRUE(fs::exists(assets / (std::string(200, 'a') + "_.glb")));
+}
+
 TEST_F(BakeRobot, GoesThroughPipesIntoAFolder) {
   folder.write("robot.urdf", robot(link("a", collision("model.obj"))));
   const std::string bake = std::string(ENCAGE_BINARY) + " bake - --format urdf --method collapse --faces 100 < robot.urdf";
@@ -130,10 +140,16 @@ TEST_F(BakeRobot, BadDescriptionsAreRefused) {
   refused(robot(link("a", collision("model.obj", "<origin xyz=\"1 2\"/>"))),
           "link 'a': xyz '1 2' is not three numbers");
   refused(robot("<xacro:include filename=\"b\"/>"), "'xacro:include': xacro has to be expanded first");
+  // Names that no file can have.
+  const std::string endless(300, 'a');
+  refused(robot(link("a", collision(endless))), "link 'a': mesh '" + endless + "' is not there");
+  refused(robot(link("a", collision("package://" + endless + "/a.obj"))),
+          "link 'a': mesh 'package://" + endless + "/a.obj' is not there");
 
   folder.write("robot.urdf", robot(link("a", collision("model.obj"))));
   expect_refused({"bake", "robot.urdf", "-o", "model.obj"}, "model.obj: is no folder");
   expect_refused({"bake", "robot.urdf", "-o", "no/where"}, "no/where: no such folder");
+  expect_refused({"bake", "robot.urdf", "-o", endless}, endless + ": cannot write: File name too long");
   expect_refused({"bake", "robot.urdf", "-o", "-"}, "go into a folder");
   expect_refused({"bake", "robot.urdf", "--coarse", "model.obj"}, "--coarse");
   fs::create_directory(folder.path() / "robot");

@@ -20,12 +20,13 @@ std::string indexed_sample() { return encode_asset(sample_hierarchy(), "Encage 0
 
 AssetIndex index_of(const std::string& asset) { return decode_index(*find_index(as_byte_span(asset)), "f.glb"); }
 
-/// Returns the asset with another index of the same size.
+/// Returns the asset with another index, which ends where the old one does and is not longer.
 std::string with_index(std::string asset, const AssetIndex& index) {
   const std::string bytes = encode_index(index);
   const auto place = find_index(as_byte_span(asset));
-  EXPECT_EQ(place->size(), bytes.size());
-  const auto offset = static_cast<std::size_t>(place->data() - as_byte_span(asset).data());
+  EXPECT_LE(bytes.size(), place->size());
+  const auto end = static_cast<std::size_t>(place->data() - as_byte_span(asset).data()) + place->size();
+  const std::size_t offset = end - bytes.size();
   return asset.replace(offset, bytes.size(), bytes);
 }
 
@@ -109,6 +110,7 @@ TEST(AssetIndexes, NonsenseIsRefused) {
   EXPECT_EQ(edited([](AssetIndex& i) { i.origin[2] = std::numeric_limits<double>::quiet_NaN(); }),
             index + "the origin is not finite");
   EXPECT_EQ(edited([](AssetIndex& i) { i.solid = static_cast<Solid>(3); }), index + "solid is 3, not 0, 1 or 2");
+  EXPECT_EQ(edited([](AssetIndex& i) { i.meshes.clear(); }), index + "it has no meshes");  // found by fuzzing
   const std::string place = "f.glb: section \"index\": \"cage 1 boxes\" cannot be where it says";
   const auto moved = [&](auto&& edit) { return edited([&](AssetIndex& i) { edit(i.meshes[1][2]); }); };
   EXPECT_EQ(moved([](AssetIndex::Array& a) { a.before = 0xFFFFFFC0; }), place);  // before the start of the file
