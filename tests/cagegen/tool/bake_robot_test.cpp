@@ -44,7 +44,8 @@ TEST_F(BakeRobot, EveryCollisionMeshBecomesAnAsset) {
                                    link("wheel", collision("model.obj")) +
                                    link("camera", "<collision><geometry><box size=\"1 1 1\"/></geometry></collision>") +
                                    link("tip", "") + "<joint name=\"j\" type=\"fixed\"/>"));
-  const RunResult result = encage({"bake", "robot.urdf", "--method", "collapse", "--faces", "100", "--json", "robot.json"});
+  const RunResult result =
+      encage({"bake", "robot.urdf", "--method", "collapse", "--faces", "100", "--json", "robot.json"});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.err.find("note: robot.urdf: skipped: 1 collision shape without a mesh: box\n"), std::string::npos)
       << result.err;
@@ -90,7 +91,8 @@ TEST_F(BakeRobot, PackagesAreFoundAboveTheDescription) {
   EXPECT_EQ(encage({"bake", "here.urdf", "--method", "collapse", "--faces", "100", "-o", "new"}).status, 0);
   // A package that was unpacked under another name.
   folder.write("hand-1.2/urdf/hand.urdf", robot(link("b", collision("package://hand/meshes/b.obj"))));
-  const RunResult renamed = encage({"bake", "hand-1.2/urdf/hand.urdf", "--method", "collapse", "--faces", "100", "-o", "out"});
+  const RunResult renamed =
+      encage({"bake", "hand-1.2/urdf/hand.urdf", "--method", "collapse", "--faces", "100", "-o", "out"});
   EXPECT_EQ(renamed.status, 0) << renamed.err;
   EXPECT_NE(renamed.err.find("no folder is called 'hand'; its files are taken from "), std::string::npos);
 }
@@ -107,7 +109,8 @@ TEST_F(BakeRobot, LongNamesOfLinksAreCut) {
 
 TEST_F(BakeRobot, GoesThroughPipesIntoAFolder) {
   folder.write("robot.urdf", robot(link("a", collision("model.obj"))));
-  const std::string bake = std::string(ENCAGE_BINARY) + " bake - --format urdf --method collapse --faces 100 < robot.urdf";
+  const std::string bake =
+      std::string(ENCAGE_BINARY) + " bake - --format urdf --method collapse --faces 100 < robot.urdf";
   EXPECT_EQ(run({"/bin/sh", "-c", bake + " -o out/ --json"}, folder.path()).status, 0);
   EXPECT_TRUE(fs::exists(folder.path() / "out" / "a.glb"));
   EXPECT_EQ(run({"/bin/sh", "-c", bake}, folder.path()).status, 2);
@@ -116,7 +119,8 @@ TEST_F(BakeRobot, GoesThroughPipesIntoAFolder) {
 TEST_F(BakeRobot, BadDescriptionsAreRefused) {
   const auto refused = [&](const std::string& text, const std::string& reason) {
     folder.write("robot.urdf", text);
-    expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "100", "--json", "a.json"}, "robot.urdf: " + reason);
+    expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "100", "--json", "a.json"},
+                   "robot.urdf: " + reason);
   };
   folder.write("open.obj", "v 0 0 0\n");
   refused("", "XML, byte 0");
@@ -154,7 +158,8 @@ TEST_F(BakeRobot, BadDescriptionsAreRefused) {
   expect_refused({"bake", "robot.urdf", "--coarse", "model.obj"}, "--coarse");
   fs::create_directory(folder.path() / "robot");
   folder.write("robot/a.glb", "somebody's");
-  expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "100"}, "robot/a.glb: exists and holds no cages");
+  expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "100"},
+                 "robot/a.glb: exists and holds no cages");
 }
 
 TEST(Urdf, IsReadOrTheMessageSaysWhatIsMissing) {
