@@ -36,6 +36,11 @@ struct LevelRequest {
   std::function<void(std::string_view)> log;  ///< what failed and what was tried instead; may be empty
 };
 
+/// No cage is much tighter than the finer surface itself, moved outward, and there are faces enough for that.
+inline bool own_surface_suffices(const LevelRequest& request) {
+  return request.manifold && request.topology != Topology::simplify && request.clean->triangles.rows() <= request.faces;
+}
+
 /// A cage that may become the level.
 struct Candidate {
   TriangleMesh cage;

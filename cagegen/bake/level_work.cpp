@@ -63,7 +63,7 @@ std::vector<LevelWork::Maker> LevelWork::makers(const makers::Obstacle& obstacle
     makers.push_back({makers::convex_maker(obstacle, collapse_request_, collapse_), &collapse_});
   }
   if (collapses_) makers.push_back({makers::collapse_maker(obstacle, collapse_request_, collapse_), &collapse_});
-  if (flows_) {
+  if (flows_ && !(collapses_ && makers::own_surface_suffices(job_.request))) {
     makers::FlowChoices choices;
     choices.undeformed = job_.undeformed;
     choices.coarse = job_.coarse;

@@ -372,9 +372,10 @@ bool CageEditor::clear_of_itself(const Patch& patch, const Point& p) const {
     const BoxFilter filter = obstacle_.near(prism, clearance);
     bool clear = true;
     tree_.traverse(filter, [&](std::int32_t t) {
-      if (!clear || mark_[t] == stamp_ || triangle_[t][0] < 0) return;
+      if (mark_[t] == stamp_ || triangle_[t][0] < 0) return false;
       ++Obstacle::work();
       clear = separated({moved_vertex, edge.a, edge.b}, mine, triangle_[t], corners(t), clearance);
+      return !clear;
     });
     if (!clear) return false;
   }

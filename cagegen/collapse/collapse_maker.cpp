@@ -44,6 +44,7 @@ std::vector<Phase> portfolio(const LevelRequest& request) {
     if (request.topology != Topology::keep) phase.insert(phase.end(), wraps.begin(), wraps.end());
     if (!phase.empty()) phases.push_back(std::move(phase));
   };
+  if (own_surface_suffices(request)) add({{Kind::decimate, 1, 0}}, {});
   const double finest = request.faces >= 4000 ? 100 : 50;
   // Alpha wraps with several times the target's faces; their number goes with the square of the parameter.
   const double fine_wrap = request.faces >= 1500 ? 100 : request.faces >= 400 ? 50 : 32;

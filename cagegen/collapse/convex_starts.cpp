@@ -26,13 +26,6 @@ std::vector<Point> rows(const Vertices& vertices) {
   return points;
 }
 
-/// The vertices of the hull; all of them if it is flat.
-std::vector<Point> extreme_points(const TriangleMesh& mesh) {
-  std::vector<Point> points = rows(mesh.vertices);
-  const auto hull = convex_hull(points);
-  return hull ? rows(hull->vertices) : points;
-}
-
 /// The farthest of the points in `count` directions that are spread evenly (a Fibonacci lattice).
 std::vector<Point> farthest(const std::vector<Point>& points, std::size_t count) {
   constexpr double golden_angle = 2.39996322972865332;
@@ -46,6 +39,33 @@ std::vector<Point> farthest(const std::vector<Point>& points, std::size_t count)
     }));
   }
   return found;
+}
+
+/// Drops most points that are inside the hull of the others, quickly: those well inside the hull of a few.
+void drop_inner(std::vector<Point>& points) {
+  constexpr std::size_t directions = 64;
+  if (points.size() < 20 * directions) return;
+  const auto inner = convex_hull(farthest(points, directions));
+  if (!inner) return;
+  const double margin = 1e-6 * bounds(*inner).diagonal().norm();
+  std::vector<std::pair<Point, double>> planes;
+  for (std::int64_t t = 0; t < inner->triangles.rows(); ++t) {
+    const Point corner = inner->corner(t, 0);
+    const Point normal = (inner->corner(t, 1) - corner).cross(inner->corner(t, 2) - corner).normalized();
+    if (normal.allFinite()) planes.emplace_back(normal, normal.dot(corner) - margin);
+  }
+  std::erase_if(points, [&](const Point& p) {
+    return std::all_of(planes.begin(), planes.end(),
+                       [&](const auto& plane) { return plane.first.dot(p) < plane.second; });
+  });
+}
+
+/// The vertices of the hull; all of them if it is flat.
+std::vector<Point> extreme_points(const TriangleMesh& mesh) {
+  std::vector<Point> points = rows(mesh.vertices);
+  drop_inner(points);
+  const auto hull = convex_hull(points);
+  return hull ? rows(hull->vertices) : points;
 }
 
 /// Distance by which roundings of coordinates may bring a surface closer.

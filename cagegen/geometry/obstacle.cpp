@@ -184,10 +184,11 @@ BoxFilter Obstacle::near(const Prism& prism, double clearance, double magnitude)
 
 void Obstacle::hits(const Prism& prism, double clearance, std::size_t limit, std::vector<std::int32_t>& found) const {
   const BoxFilter filter = near(prism, clearance);
+  if (found.size() >= limit) return;
   tree_.traverse(filter, [&](std::int32_t t) {
-    if (found.size() >= limit) return;
     ++work();
     if (!separated(prism.corner, corners(t), clearance)) found.push_back(t);
+    return found.size() >= limit;
   });
 }
 
@@ -195,19 +196,20 @@ void Obstacle::highest_hits(const Prism& prism, double clearance, std::size_t li
                             std::vector<std::int32_t>& found) const {
   const BoxFilter filter = near(prism, clearance);
   const auto height = [&](const Float4(&low)[3], const Float4(&high)[3]) { return filter.depth(low, high); };
+  if (found.size() >= limit) return;
   tree_.traverse_ranked(filter, height, [&](std::int32_t t) {
-    if (found.size() >= limit) return;
     ++work();
     if (!separated(prism.corner, corners(t), clearance)) found.push_back(t);
+    return found.size() >= limit;
   });
 }
 
 bool Obstacle::hit(const Prism& prism, double clearance) const {
   bool touched = false;
   tree_.traverse(near(prism, clearance), [&](std::int32_t t) {
-    if (touched) return;
     ++work();
     touched = !separated(prism.corner, corners(t), clearance);
+    return touched;
   });
   return touched;
 }

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace encage::makers {
@@ -38,7 +39,7 @@ class TriangleTree {
   void remove(std::int32_t primitive);
 
   /// Calls visit(primitive) for every primitive whose box is accepted by test(low, high): arrays [3] of Float4,
-  /// returning a Mask4.
+  /// returning a Mask4. If visit returns true, that ends the search.
   template <class Test, class Visit>
   void traverse(const Test& test, const Visit& visit) const {
     if (nodes_.empty()) return;
@@ -52,7 +53,7 @@ class TriangleTree {
       for (int lane = 3; lane >= 0; --lane) {
         if (!accepted.lane(lane) || node.kind[lane] == Kind::none) continue;
         if (node.kind[lane] == Kind::leaf) {
-          visit(node.child[lane]);
+          if (ends(visit, node.child[lane])) return;
         } else {
           stack[size++] = node.child[lane];
         }
@@ -85,12 +86,22 @@ class TriangleTree {
         if (node.kind[order[i]] == Kind::inner) stack[size++] = node.child[order[i]];
       }
       for (int i = count - 1; i >= 0; --i) {
-        if (node.kind[order[i]] == Kind::leaf) visit(node.child[order[i]]);
+        if (node.kind[order[i]] == Kind::leaf && ends(visit, node.child[order[i]])) return;
       }
     }
   }
 
  private:
+  template <class Visit>
+  static bool ends(const Visit& visit, std::int32_t primitive) {
+    if constexpr (std::is_same_v<decltype(visit(primitive)), bool>) {
+      return visit(primitive);
+    } else {
+      visit(primitive);
+      return false;
+    }
+  }
+
   enum class Kind : std::uint8_t { none, inner, leaf };
   struct Node {
     float low[3][4];
