@@ -50,6 +50,15 @@ bool splits_along(const Point& a, const Point& b, const Point& c, const Point& d
   return (side_b > least_sine && side_d < -least_sine) || (side_b < -least_sine && side_d > least_sine);
 }
 
+/// a and c point in opposite directions, as in a grid: some plane along them has b and d far on opposite sides.
+bool splits_across(const Point& a, const Point& b, const Point& c, const Point& d) {
+  constexpr double far = 1e-3;
+  if (a.dot(c) > 0 || a.cross(c).norm() >= least_sine) return false;
+  const Point e = (a - c).normalized();
+  const Point normal = ((b - e.dot(b) * e).normalized() - (d - e.dot(d) * e).normalized()) / 2;
+  return normal.dot(b) > far && normal.dot(d) < -far;
+}
+
 }  // namespace
 
 bool separated(const Corners& s, const Corners& t, double clearance) {
@@ -82,7 +91,9 @@ bool separated_at_corner(const Point& apex, const Point& pa, const Point& pb, co
   const Point m = c.cross(d);
   return splits(n, a, b, c, d) || splits(m, a, b, c, d) || splits_along(a, b, c, d) || splits_along(a, b, d, c) ||
          splits_along(b, a, c, d) || splits_along(b, a, d, c) || splits(n.cross(a), a, b, c, d) ||
-         splits(n.cross(b), a, b, c, d) || splits(m.cross(c), a, b, c, d) || splits(m.cross(d), a, b, c, d);
+         splits(n.cross(b), a, b, c, d) || splits(m.cross(c), a, b, c, d) || splits(m.cross(d), a, b, c, d) ||
+         splits_across(a, b, c, d) || splits_across(a, b, d, c) || splits_across(b, a, c, d) ||
+         splits_across(b, a, d, c);
 }
 
 bool separated_at_edge(const Point& a, const Point& b, const Point& c, const Point& d) {

@@ -181,5 +181,48 @@ TEST(RoundToFloat, EveryLane) {
   EXPECT_NE(rounded, p);
 }
 
+TEST(CageEditor, SplitsMoveTheNewVertexInward) {
+  for (const TriangleMesh& mesh : solids()) {
+    const Obstacle obstacle(mesh);
+    const auto loose = offset_start(obstacle, mesh, 0.1, false, test_clearance);
+    ASSERT_TRUE(loose);
+    CageEditor editor(obstacle, *loose, options(1));
+    double volume = signed_volume(*loose);
+    std::vector<std::int32_t> neighbours;
+    int splits = 0;
+    // More than there are spare triangles, so that the tree is built anew in between.
+    for (std::int32_t u = 0; u < editor.vertex_capacity() && splits < 100; ++u) {
+      editor.neighbours(u, neighbours);
+      const std::int32_t v = neighbours.front();
+      const auto plan = editor.plan_split(u, v, 0.05);
+      if (!plan) continue;
+      const std::int64_t faces = editor.face_count();
+      const std::int32_t p = editor.apply_split(u, v, plan->position);
+      ++splits;
+      EXPECT_EQ(editor.face_count(), faces + 2);
+      EXPECT_EQ(editor.position(p), plan->position);
+      editor.neighbours(p, neighbours);
+      EXPECT_EQ(neighbours.size(), 4u);
+      const double after = signed_volume(editor.extract());
+      EXPECT_LT(plan->cost, 0);
+      EXPECT_NEAR(after - volume, plan->cost, 1e-9);
+      volume = after;
+    }
+    EXPECT_GT(splits, 20);
+    expect_valid(mesh, editor.extract());
+  }
+}
+
+TEST(CageEditor, SplitsOnlyEdges) {
+  const TriangleMesh mesh = shapes::sphere(2);
+  const Obstacle obstacle(mesh);
+  CageEditor editor(obstacle, around(obstacle, mesh), options(1));
+  std::vector<std::int32_t> neighbours;
+  editor.neighbours(0, neighbours);
+  std::int32_t other = 1;
+  while (std::count(neighbours.begin(), neighbours.end(), other) > 0) ++other;
+  EXPECT_FALSE(editor.plan_split(0, other, 0.1));
+}
+
 }  // namespace
 }  // namespace encage::makers

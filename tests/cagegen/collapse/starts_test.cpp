@@ -9,6 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <string>
 #include <thread>
 #include <vector>
@@ -49,6 +52,35 @@ TEST(OffsetStart, LessWhereTheSurfaceIsNearItself) {
   const auto cage = offset_start(Obstacle(solid), solid, 0.02, false, 1e-5);
   ASSERT_TRUE(cage);
   EXPECT_EQ(expect_cage(solid, Solid::closed, *cage, 1e-5).components, 2);
+}
+
+TEST(OffsetStart, LeavesSharpSaddles) {
+  // The top is z = 4 (|x| - |y|): the middle has to rise by sqrt(1 + 2 * 4^2) for its planes to rise by one.
+  constexpr double slope = 4;
+  std::vector<std::array<double, 3>> points;
+  for (const double z : {0.0, -3 * slope}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      for (const double x : {-1.0, 0.0, 1.0}) {
+        points.push_back({x, y, z == 0 ? slope * (std::abs(x) - std::abs(y)) : z});
+      }
+    }
+  }
+  std::vector<std::array<int, 3>> triangles;
+  const auto quad = [&](int a, int b, int c, int d) {
+    triangles.push_back({a, b, c});
+    triangles.push_back({a, c, d});
+  };
+  const std::array<int, 9> rim = {0, 1, 2, 5, 8, 7, 6, 3, 0};
+  for (const int v : {0, 1, 3, 4}) {
+    quad(v, v + 1, v + 4, v + 3);
+    quad(v + 9, v + 12, v + 13, v + 10);
+  }
+  for (std::size_t i = 0; i + 1 < rim.size(); ++i) quad(rim[i], rim[i] + 9, rim[i + 1] + 9, rim[i + 1]);
+  const TriangleMesh solid = shapes::mesh(points, triangles);
+  ASSERT_GT(signed_volume(solid), 0);
+  const auto cage = offset_start(Obstacle(solid), solid, 1e-3, false, 1e-5);
+  ASSERT_TRUE(cage);
+  expect_cage(solid, Solid::closed, *cage, 1e-5);
 }
 
 TEST(OffsetStart, GrowsFromADecimation) {

@@ -242,5 +242,23 @@ TEST(ContactSolver, KeepsTheMesh) {
   EXPECT_EQ(solver.mesh().triangles, cage.triangles);
 }
 
+TEST(Approach, HeavierVerticesComeNearerToWhereTheyWant) {
+  const Nested scene{"", shapes::sphere(2), shapes::cube(1.5)};
+  const Obstacle obstacle(scene.inner);
+  Positions wanted = shapes::positions(scene.cage);
+  for (Point& p : wanted) p *= 0.5;
+  const auto misses = [&](const std::vector<double>& weights) {
+    ContactSolver solver(scene.cage, shapes::contact_options(1, 2e-3));
+    const Positions reached = solver.approach(obstacle, wanted, weights);
+    shapes::expect_certified(scene.inner, shapes::at(scene.cage, reached));
+    return (reached[0] - wanted[0]).norm();
+  };
+  const double alone = misses({});
+  EXPECT_EQ(misses(std::vector<double>(8, 1.0)), alone);
+  std::vector<double> weights(8, 1.0);
+  weights[0] = 20;
+  EXPECT_LT(misses(weights), 0.8 * alone);
+}
+
 }  // namespace
 }  // namespace encage::makers

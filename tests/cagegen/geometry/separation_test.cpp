@@ -133,6 +133,15 @@ TEST(SeparatedAtCorner, NeverWhereMoreIsShared) {
   EXPECT_GT(proven, 0.85 * apart);
 }
 
+TEST(SeparatedAtCorner, OppositeTrianglesOfAGrid) {
+  const Point o(0.5, 0.25, 0), a(1, 1, 0), b(1, 0, 0);
+  EXPECT_TRUE(separated_at_corner(o, o + a, o + b, o - a, o - b));
+  EXPECT_TRUE(separated_at_corner(o, o + a, o + b, o - a, o + Point(-1, 2, 0)));
+  EXPECT_TRUE(separated_at_corner(o, o + a, o + b, o - a, o + Point(-1, -1, 1)));
+  // On the same side of the line.
+  EXPECT_FALSE(separated_at_corner(o, o + a, o + b, o - a, o + Point(2, 0.5, 0)));
+}
+
 TEST(SeparatedAtEdge, NeverWhereTheTrianglesFold) {
   Random random(34);
   int folded = 0;
