@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// What the makers of a level are asked for and give: CollapseMaker, ConvexMaker and FlowMaker.
+// The makers of a level (CollapseMaker, ConvexMaker, FlowMaker) take a LevelRequest and give Candidates.
 
 #include "cagegen/geometry/obstacle.h"
 #include "cagegen/threads/control.h"

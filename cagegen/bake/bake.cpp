@@ -47,7 +47,7 @@ std::string list(const std::vector<std::int64_t>& numbers) {
   return text;
 }
 
-/// What was asked for and is not there, in `failure` and `missing`.
+/// Writes into `failure` and `missing` what was asked for and is not there.
 void report_missing(const BakeOptions& options, const Chain& chain, BakeReport& report) {
   report.failure = chain.failure;
   for (const LevelTarget& target : chain.missing) report.missing.push_back(target.faces);

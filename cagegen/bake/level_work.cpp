@@ -84,12 +84,12 @@ std::optional<LevelWork::Result> LevelWork::run() {
   for (;;) {
     std::vector<Contender> contenders = next_batch(all);
     if (contenders.empty()) break;
-    finishing_ = true;
+    begin_finishing();
     if (auto result = tightest(std::move(contenders))) return result;
     finishing_ = false;
   }
   // The flow was stopped, and there need not be a level.
-  if (flow_.abandoned) return std::nullopt;
+  if (gave_up_ || flow_.abandoned) return std::nullopt;
   failure_ = !failed_.empty()   ? failed_
              : refused_.empty() ? all.back().maker->failure()
                                 : refused_ + ": the certificate refuses the cage";
@@ -100,12 +100,14 @@ std::vector<LevelWork::Contender> LevelWork::next_batch(const std::vector<Maker>
   std::vector<std::vector<Candidate>> batches(makers.size());
   std::mutex mutex;
   makers::for_each_task(job_.request.threads, makers.size(), [&](std::size_t m) {
+    if (makers[m].control == &flow_ && flow_.expired()) time_is_up();
+    if (makers[m].control->abandoned) return;
     try {
       batches[m] = makers[m].maker->next();
     } catch (const Cancelled&) {
       if (!makers[m].control->abandoned || makers[m].control->whole->cancelled()) throw;
     } catch (const Error& error) {
-      // What a decimator or an energy of the user's throws: others may still make the level.
+      // A decimator or an energy of the user's threw it. Other makers may still make the level.
       const std::lock_guard lock(mutex);
       failed_ = error.what();
       if (makers.size() > 1) journal_.add("level of " + std::to_string(job_.request.faces) + " faces: " + failed_);
@@ -158,7 +160,16 @@ std::optional<Certificate> LevelWork::accept(const Candidate& candidate) {
   return std::move(proof.certificate);
 }
 
+/// Candidates of a flow that was told to stop, but was done before it noticed, are finished as all others.
+void LevelWork::begin_finishing() {
+  const std::lock_guard lock(stage_mutex_);
+  finishing_ = true;
+  gave_up_ = gave_up_ || flow_.abandoned;
+  flow_.abandoned = false;
+}
+
 void LevelWork::time_is_up() {
+  const std::lock_guard lock(stage_mutex_);
   if (flows_ && !finishing_ && (job_.expendable || collapses_)) flow_.abandoned = true;
 }
 

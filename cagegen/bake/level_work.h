@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,7 @@ class LevelWork {
   };
 
   std::vector<Maker> makers(const makers::Obstacle& obstacle);
+  void begin_finishing();
   std::vector<Contender> next_batch(const std::vector<Maker>& makers);
   std::optional<Result> tightest(std::vector<Contender> contenders);
   void finish_best(std::vector<Contender>& contenders);
@@ -66,9 +68,11 @@ class LevelWork {
   makers::Control collapse_, flow_;
   makers::LevelRequest collapse_request_, flow_request_;
   bool collapses_, flows_;
+  std::mutex stage_mutex_;  ///< guards what time_is_up() decides: nothing is stopped once finishing has begun
   std::atomic<bool> finishing_{false};
-  std::string refused_;  ///< the start of the last candidate that the certificate refused
-  std::string failed_;   ///< what a maker threw last
+  bool gave_up_ = false;  ///< the flow was stopped in this batch or one before
+  std::string refused_;   ///< the start of the last candidate that the certificate refused
+  std::string failed_;    ///< what a maker threw last
   std::string failure_;
 };
 

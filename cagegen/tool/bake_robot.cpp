@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What several links may share.
+/// A mesh at one scale, which several links may share.
 struct ScaledMesh {
   const UrdfMesh* first = nullptr;  ///< of those that share it
   TriangleMesh mesh;

@@ -33,7 +33,7 @@ bool cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vect
   return side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0;
 }
 
-/// Whether the way from corner i of a polygon to p begins inside of it.
+/// True if the way from corner i of a polygon to p begins inside of it.
 bool begins_inside(const Loop& points, const Ring& ring, std::size_t i, const Eigen::Vector2d& p) {
   const std::size_t n = ring.size();
   const Eigen::Vector2d &before = points[ring[(i + n - 1) % n]], &at = points[ring[i]],
