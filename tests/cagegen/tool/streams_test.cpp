@@ -82,7 +82,8 @@ TEST_F(Streams, AFullDeviceIsNoticedByEveryCommand) {
 
 TEST_F(Streams, MeshesAndAssetsGoThroughPipes) {
   bake_model();
-  const RunResult bake = shell("$ENCAGE bake - --format obj --method collapse --faces 200,60 -o - < model.obj > piped.glb");
+  const RunResult bake =
+      shell("$ENCAGE bake - --format obj --method collapse --faces 200,60 -o - < model.obj > piped.glb");
   EXPECT_EQ(bake.status, 0) << bake.err;
   EXPECT_EQ(folder.read("piped.glb"), folder.read("model.glb"));
   EXPECT_NE(bake.err.find("standard input: 576 triangles"), std::string::npos) << bake.err;
@@ -104,7 +105,10 @@ TEST_F(Streams, NamedPipesAreReadOnce) {
   ASSERT_EQ(mkfifo((folder.path() / "pipe.obj").c_str(), 0600), 0);
   ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
   bake_model();
-  EXPECT_EQ(shell("cat model.obj > pipe.obj & $ENCAGE bake pipe.obj --method collapse --faces 200,60 -o piped.glb; wait").status, 0);
+  EXPECT_EQ(
+      shell("cat model.obj > pipe.obj & $ENCAGE bake pipe.obj --method collapse --faces 200,60 -o piped.glb; wait")
+          .status,
+      0);
   EXPECT_EQ(folder.read("piped.glb"), folder.read("model.glb"));
   EXPECT_EQ(shell("cat model.glb > pipe & $ENCAGE info pipe; wait").out, encage({"info", "model.glb"}).out);
 }
