@@ -63,8 +63,10 @@ class CandidateMaker {
   /// The next cages, valid but not finished; none: there are no more. The same for any number of threads. Throws
   /// Cancelled.
   virtual std::vector<Candidate> next() = 0;
-  /// Makes a candidate as tight as it can be.
+  /// Makes a candidate as tight as it can be with its faces.
   virtual void finish(Candidate& candidate) = 0;
+  /// Moves the faces of a finished candidate to where they serve most.
+  virtual void redistribute(Candidate& candidate) = 0;
   /// Why nothing came of the last attempt, in the user's words.
   virtual std::string failure() const = 0;
 };

@@ -2,6 +2,8 @@
 #include "cagegen/bake/level_maker.h"
 
 #include "cagegen/bake/level_work.h"
+#include "cagegen/decimate/planar_faces.h"
+#include "cagegen/sanitize/union_surface.h"
 #include "cagegen/threads/run_reporting.h"
 
 #include <algorithm>
@@ -14,6 +16,8 @@ namespace encage {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr double planar_tolerance = 1e-6;  // diagonals; a tenth of the least clearance
 
 /// When a time limit is over; never, if that lies beyond what the clock can count.
 std::optional<Clock::time_point> deadline(const std::optional<double>& seconds) {
@@ -39,6 +43,18 @@ std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTar
   request.inner = finer != nullptr ? &finer->level.mesh : &source_.obstacle;
   request.clean = finer != nullptr ? &finer->level.mesh : &source_.clean;
   request.manifold = finer != nullptr || source_.manifold;
+  std::optional<TriangleMesh> united, merged;
+  if (finer == nullptr && source_.solid == Solid::closed && target.coarse == nullptr) {
+    // Surfaces that cages can be made of with less: parts that overlap, and planes of more triangles than they need.
+    if ((united = io::union_surface(source_.clean))) {
+      request.clean = &*united;
+      request.manifold = true;
+    }
+    if (request.manifold && request.clean->triangles.rows() > target.faces) {
+      merged = makers::merge_planar_faces(*request.clean, planar_tolerance * source_.diagonal, target.faces);
+      if (merged) request.clean = &*merged;
+    }
+  }
   request.origin = source_.origin;
   request.faces = target.faces;
   request.diagonal = source_.diagonal;

@@ -23,12 +23,14 @@ void start(makers::Control& control, const makers::Control& whole) {
   control.deadline = whole.deadline;
 }
 
-/// Which candidates are finished before one is chosen. With few faces it is hard to tell which will be the tightest,
-/// and finishing is quick.
+/// Which candidates are finished before one is chosen, whose faces move then. With few faces it is hard to tell which
+/// will be the tightest, and finishing is quick.
 struct Finalists {
   std::size_t most;
   double excess;  ///< at most, in those of the tightest
 };
+
+constexpr double close_race = 1.05;  // excess up to which moving faces may make another finished candidate the tightest
 
 Finalists finalists(std::int64_t faces) {
   if (faces <= 150) return {3, 1.25};
@@ -145,7 +147,13 @@ void LevelWork::finish_best(std::vector<Contender>& contenders) {
     contenders[i].maker->finish(contenders[i].candidate);
     contenders[i].finished = true;
   });
-  sort_by_volume(contenders.begin(), contenders.begin() + static_cast<std::ptrdiff_t>(count));
+  const auto last = contenders.begin() + static_cast<std::ptrdiff_t>(count);
+  sort_by_volume(contenders.begin(), last);
+  const double close = inside + close_race * (contenders.front().candidate.volume - inside);
+  const bool photo_finish = count > 1 && contenders[1].candidate.volume <= close;
+  makers::for_each_task(job_.request.threads, photo_finish ? 2 : 1,
+                        [&](std::size_t i) { contenders[i].maker->redistribute(contenders[i].candidate); });
+  sort_by_volume(contenders.begin(), last);
 }
 
 /// The one place where a candidate becomes a certified cage.

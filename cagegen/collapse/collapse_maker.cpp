@@ -23,6 +23,7 @@ constexpr double collapse_quadric_weight = 10;
 constexpr double offset_height = 2e-4;                   // height of an offset start, diagonals
 constexpr std::int64_t most_hull_faces = 8;              // of the target's, above which a hull is decimated
 constexpr std::uint64_t work_per_level = 2'000'000'000;  // triangle tests of one candidate
+constexpr double rivals_excess = 1.5;                    // that settling may make up for, in the tightest's
 constexpr double explosion_factor = 20;                  // a candidate may grow to so many times its start
 
 struct Start {
@@ -161,7 +162,6 @@ std::optional<Candidate> run(Start start, const Obstacle& obstacle, const LevelR
   tighten(editor);
   Candidate candidate;
   candidate.cage = editor.extract();
-  if (!is_convex(start)) settle(obstacle, request, control, candidate);
   candidate.volume = signed_volume(candidate.cage);
   candidate.start = name(start);
   candidate.method = is_convex(start) ? Method::hull : Method::collapse;
@@ -192,6 +192,19 @@ std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, con
   return candidates;
 }
 
+/// Settles the candidates that may still become the tightest.
+void settle_best(std::vector<Candidate>& candidates, const Obstacle& obstacle, const LevelRequest& request,
+                 Control& control) {
+  if (candidates.empty()) return;
+  const auto tightest = std::min_element(candidates.begin(), candidates.end(),
+                                         [](const auto& a, const auto& b) { return a.volume < b.volume; });
+  const double inside = std::max(0.0, signed_volume(*request.inner));
+  const double most = inside + rivals_excess * (tightest->volume - inside);
+  for_each_task(request.threads, candidates.size(), [&](std::size_t i) {
+    if (candidates[i].volume <= most) settle(obstacle, request, control, candidates[i]);
+  });
+}
+
 class ConvexMaker : public CandidateMaker {
  public:
   ConvexMaker(const Obstacle& obstacle, const LevelRequest& request, Control& control)
@@ -203,6 +216,7 @@ class ConvexMaker : public CandidateMaker {
     return compete(convex_starts(request_), obstacle_, request_, control_, &frame);
   }
   void finish(Candidate& candidate) override { finish_by_volume(obstacle_, request_, control_, candidate); }
+  void redistribute(Candidate& candidate) override { redistribute_by_volume(obstacle_, request_, control_, candidate); }
   std::string failure() const override { return "the certificate refuses the convex cages"; }
 
  private:
@@ -220,11 +234,13 @@ class CollapseMaker : public CandidateMaker {
   std::vector<Candidate> next() override {
     while (phase_ < phases_.size()) {
       auto candidates = compete(phases_[phase_++], obstacle_, request_, control_);
+      settle_best(candidates, obstacle_, request_, control_);
       if (!candidates.empty()) return candidates;
     }
     return {};
   }
   void finish(Candidate& candidate) override { finish_by_volume(obstacle_, request_, control_, candidate); }
+  void redistribute(Candidate& candidate) override { redistribute_by_volume(obstacle_, request_, control_, candidate); }
   std::string failure() const override {
     return "no cage of " + std::to_string(request_.faces) + " faces keeps the topology of the level before";
   }

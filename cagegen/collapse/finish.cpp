@@ -14,18 +14,19 @@ namespace encage::makers {
 namespace {
 
 constexpr int settling_steps = 20;
-constexpr double enough_gain = 0.005;  // of the excess
+constexpr double enough_gain = 0.01;  // of the excess
 
 /// Decided by experiment: what brings most for its time.
 struct Effort {
-  int passes;  ///< steps get shorter as they jam: starting over with long ones frees coarse cages again
-  int rounds;  ///< of redistribution
+  int rounds;
+  int patience;
 };
 
-Effort effort_for(std::int64_t faces) {
-  if (faces <= 150) return {1, 4};
-  if (faces <= 1000) return {1, 2};
-  return {1, 0};
+Effort effort_for(const LevelRequest& request) {
+  if (own_surface_suffices(request)) return {0, 0};
+  if (request.faces <= 150) return {4, 2};
+  if (request.faces <= 1000) return {2, 1};
+  return {0, 0};
 }
 
 ContactSolverOptions contact_options(const LevelRequest& request, Control& control) {
@@ -45,26 +46,31 @@ void settle(const Obstacle& obstacle, const LevelRequest& request, Control& cont
 }
 
 void finish_by_volume(const Obstacle& obstacle, const LevelRequest& request, Control& control, Candidate& candidate) {
+  EditorOptions editing;
+  editing.clearance = request.clearance;
+  editing.self_clearance = request.self_clearance;
+  CageEditor editor(obstacle, candidate.cage, editing);
+  tighten(editor);
+  candidate.cage = shrink(obstacle, editor.extract(), contact_options(request, control));
+  candidate.volume = signed_volume(candidate.cage);
+}
+
+void redistribute_by_volume(const Obstacle& obstacle, const LevelRequest& request, Control& control,
+                            Candidate& candidate) {
   RedistributeRequest redistribution;
   redistribution.faces = request.faces;
   redistribution.work = 2'000'000'000;
   redistribution.editing.clearance = request.clearance;
   redistribution.editing.self_clearance = request.self_clearance;
   redistribution.contact = contact_options(request, control);
-  CageEditor editor(obstacle, candidate.cage, redistribution.editing);
-  tighten(editor);
-  candidate.cage = editor.extract();
-  const Effort effort = effort_for(request.faces);
-  for (int pass = 0; pass < effort.passes; ++pass) {
-    candidate.cage = shrink(obstacle, candidate.cage, redistribution.contact);
-  }
-  if (effort.rounds > 0) {
-    redistribution.rounds = effort.rounds;
-    const double inside = std::max(0.0, signed_volume(*request.inner));
-    redistribution.enough = enough_gain * (signed_volume(candidate.cage) - inside);
-    candidate.cage = redistribute_faces(obstacle, candidate.cage, redistribution);
-    candidate.cage = shrink(obstacle, candidate.cage, redistribution.contact);
-  }
+  const Effort effort = effort_for(request);
+  if (effort.rounds == 0) return;
+  redistribution.rounds = effort.rounds;
+  redistribution.patience = effort.patience;
+  const double inside = std::max(0.0, signed_volume(*request.inner));
+  redistribution.enough = enough_gain * (candidate.volume - inside);
+  candidate.cage = redistribute_faces(obstacle, candidate.cage, redistribution);
+  candidate.cage = shrink(obstacle, candidate.cage, redistribution.contact);
   candidate.volume = signed_volume(candidate.cage);
 }
 

@@ -16,7 +16,6 @@ namespace {
 // Decided by experiment on six models at 500 and 100 faces.
 constexpr double first_share = 0.2;  // faces added in a round, of those of the cage
 constexpr double split_reach = 0.3;  // edge lengths by which the new vertex may move
-constexpr int most_idle = 2;         // rounds in a row that gain too little
 constexpr int steps_between = 8;     // of the minimisation, before merging
 constexpr int steps_after = 15;      // and after
 constexpr double merge_quadric_weight = 1;
@@ -83,7 +82,7 @@ TriangleMesh redistribute_faces(const Obstacle& obstacle, const TriangleMesh& ca
   double volume = signed_volume(cage);
   double share = first_share;
   int idle = 0;
-  for (int round = 0; round < request.rounds && idle < most_idle && Obstacle::work() < last_work; ++round) {
+  for (int round = 0; round < request.rounds && idle < request.patience && Obstacle::work() < last_work; ++round) {
     const auto more = static_cast<std::int64_t>(share * static_cast<double>(request.faces));
     TriangleMesh next = refined(obstacle, best, request, request.faces + std::max<std::int64_t>(more, 4));
     next = shrink(obstacle, next, request.contact, steps_between);

@@ -15,7 +15,8 @@ struct RedistributeRequest {
   ContactSolverOptions contact;
   std::int64_t faces = 0;  ///< at most, in the result
   int rounds = 1;          ///< at most
-  double enough = 0;       ///< a volume: two rounds in a row that gain less are the last
+  double enough = 0;       ///< a volume, which a round should gain
+  int patience = 2;        ///< rounds in a row that gain less are the last
   std::uint64_t work = 0;  ///< triangle tests after which no new round begins
 };
 

@@ -79,8 +79,7 @@ class FlowMaker : public CandidateMaker {
 
   void finish(Candidate& candidate) override {
     const auto start = Clock::now();
-    const bool volume = choices_.final == volume_energy();
-    if (volume && choices_.coarse == nullptr && !choices_.decimator) {
+    if (is_free()) {
       finish_by_volume(obstacle_, request_, control_, candidate);
     } else {
       // Long steps again, which frees coarse cages.
@@ -94,9 +93,21 @@ class FlowMaker : public CandidateMaker {
     candidate.reinflate_seconds += seconds_since(start);
   }
 
+  void redistribute(Candidate& candidate) override {
+    if (!is_free()) return;
+    const auto start = Clock::now();
+    redistribute_by_volume(obstacle_, request_, control_, candidate);
+    candidate.reinflate_seconds += seconds_since(start);
+  }
+
   std::string failure() const override { return failure_; }
 
  private:
+  /// Faces and vertices serve the volume alone: nobody asked for certain meshes or another energy.
+  bool is_free() const {
+    return choices_.final == volume_energy() && choices_.coarse == nullptr && !choices_.decimator;
+  }
+
   /// `fraction` of what there is to do with one coarse mesh.
   void report(double fraction) const { control_.fraction = done_ + share_ * fraction; }
 

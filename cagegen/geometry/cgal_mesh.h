@@ -42,7 +42,7 @@ TriangleMesh from_cgal(const CGAL::Surface_mesh<CgalPoint>& mesh) {
   std::int32_t count = 0;
   for (const auto v : mesh.vertices()) {
     const auto& p = mesh.point(v);
-    result.vertices.row(count) << p.x(), p.y(), p.z();
+    result.vertices.row(count) << CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z());
     number[v] = count++;
   }
   std::int64_t row = 0;

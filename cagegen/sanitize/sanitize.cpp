@@ -52,29 +52,12 @@ Hash hash(const TriangleMesh& mesh) {
   return hasher.digest();
 }
 
-/// Drops the vertices that no triangle uses; the others keep their order. Returns how many.
-Eigen::Index drop_unused_vertices(TriangleMesh& mesh) {
-  std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.vertices.rows()), -1);
-  for (const std::int32_t v : mesh.triangles.reshaped()) number[v] = 0;
-  Eigen::Index kept = 0;
-  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
-    if (number[v] < 0) continue;
-    mesh.vertices.row(kept) = mesh.vertices.row(v);
-    number[v] = static_cast<std::int32_t>(kept++);
-  }
-  const Eigen::Index dropped = mesh.vertices.rows() - kept;
-  if (dropped == 0) return 0;
-  mesh.vertices.conservativeResize(kept, 3);
-  for (std::int32_t& v : mesh.triangles.reshaped()) v = number[v];
-  return dropped;
-}
-
 void weld_vertices(TriangleMesh& mesh, SanitizeReport& report) {
-  report.isolated_vertices = drop_unused_vertices(mesh);
+  report.isolated_vertices = io::drop_unused_vertices(mesh);
   const std::vector<std::int32_t> same =
       io::weld({mesh.vertices.data(), static_cast<std::size_t>(mesh.vertices.size())});
   for (std::int32_t& v : mesh.triangles.reshaped()) v = same[v];
-  report.welded_vertices = drop_unused_vertices(mesh);
+  report.welded_vertices = io::drop_unused_vertices(mesh);
 }
 
 /// Sets the local frame. Throws for extents that float32 cannot hold.
@@ -267,7 +250,7 @@ SourceMesh sanitize(const TriangleMesh& input) {
   const auto surface_without = [&](const std::vector<char>& drop) {
     TriangleMesh mesh{welded.vertices, select(welded.triangles, drop)};
     io::mark_dangling(mesh);
-    drop_unused_vertices(mesh);
+    io::drop_unused_vertices(mesh);
     return close(std::move(mesh), source.diagonal);
   };
   EnclosingSurface surface = surface_without(duplicates.again);
@@ -291,7 +274,7 @@ SourceMesh sanitize(const TriangleMesh& input) {
   source.obstacle = std::move(surface.mesh);
   source.clean = source.obstacle;
   source.report.degenerate_triangles = io::replace_degenerate(source.clean, sliver_thickness * source.diagonal);
-  drop_unused_vertices(source.clean);
+  io::drop_unused_vertices(source.clean);
   source.manifold = io::is_closed_manifold(source.clean.triangles, source.clean.vertices.rows());
   return source;
 }

@@ -40,4 +40,20 @@ std::vector<std::int32_t> weld(std::span<const double> coordinates) {
   return same;
 }
 
+Eigen::Index drop_unused_vertices(TriangleMesh& mesh) {
+  std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.vertices.rows()), -1);
+  for (const std::int32_t v : mesh.triangles.reshaped()) number[v] = 0;
+  Eigen::Index kept = 0;
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    if (number[v] < 0) continue;
+    mesh.vertices.row(kept) = mesh.vertices.row(v);
+    number[v] = static_cast<std::int32_t>(kept++);
+  }
+  const Eigen::Index dropped = mesh.vertices.rows() - kept;
+  if (dropped == 0) return 0;
+  mesh.vertices.conservativeResize(kept, 3);
+  for (std::int32_t& v : mesh.triangles.reshaped()) v = number[v];
+  return dropped;
+}
+
 }  // namespace encage::io

@@ -402,6 +402,19 @@ TEST(Bake, NoLooserThanAnOrientedBox) {
   }
 }
 
+TEST(Bake, PlanarSolidsKeepTheirOwnSurface) {
+  // A table of overlapping boxes: 76 triangles bound it, however finely they are divided.
+  TriangleMesh table = moved(gridded_box(6, {1, 0.6, 0.05}), {0, 0, 0.5});
+  for (const double x : {0.1, 0.8}) {
+    for (const double y : {0.1, 0.4}) table = joined(table, moved(gridded_box(4, {0.1, 0.1, 0.52}), {x, y, 0}));
+  }
+  for (const std::int64_t faces : {300, 100, 76}) {
+    const CageHierarchy cages = bake(table, with_faces({faces}));
+    EXPECT_LT(cages.levels.front().certificate.volume_ratio, 1.005) << faces;
+    EXPECT_LT(cages.levels.front().certificate.max_distance, 1e-3) << faces;
+  }
+}
+
 TEST(Bake, DefaultLevels) {
   const SourceMesh source = sanitize(sphere(4));  // 2048 triangles
   BakeOptions options;
