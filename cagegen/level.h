@@ -22,6 +22,8 @@ namespace encage::makers {
 /// and for itself.
 constexpr double self_clearances_of_a_level = 3;
 
+class WrapStarts;
+
 struct LevelRequest {
   const TriangleMesh* inner = nullptr;               ///< what must be enclosed; the obstacle is made of it
   const TriangleMesh* clean = nullptr;               ///< the same surface without degenerate triangles
@@ -32,6 +34,7 @@ struct LevelRequest {
   double clearance = 0;                              ///< least distance to the obstacle, a length
   double self_clearance = 0;                         ///< least distance between strands of the cage, a length
   Topology topology = Topology::any;
+  WrapStarts* wraps = nullptr;                ///< of the obstacle, shared by the makers of a level
   int threads = 1;                            ///< never changes the result
   std::function<void(std::string_view)> log;  ///< what failed and what was tried instead; may be empty
 };
@@ -63,6 +66,8 @@ class CandidateMaker {
   /// The next cages, valid but not finished; none: there are no more. The same for any number of threads. Throws
   /// Cancelled.
   virtual std::vector<Candidate> next() = 0;
+  /// None of them, finished, will enclose less.
+  virtual double least_volume() { return 0; }
   /// Makes a candidate as tight as it can be with its faces.
   virtual void finish(Candidate& candidate) = 0;
   /// Moves the faces of a finished candidate to where they serve most.

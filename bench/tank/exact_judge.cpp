@@ -2,6 +2,7 @@
 #include "bench/tank/exact_judge.h"
 
 #include "oracles/exact_ccd.h"
+#include "oracles/exact_pair.h"
 
 #include <algorithm>
 #include <array>
@@ -29,6 +30,14 @@ int corners_of_a(ContactKind kind) {
 Judge exact_judge(const TankBody& body, const ContactOptions& options) {
   return [&body, options](const bench::RecordedStep& step, const BodyContact& reported) -> std::optional<double> {
     const Contact& contact = reported.contact;
+    if (contact.overlapping) {
+      const auto at_start = [&](std::int32_t number) {
+        const Motion& motion = motion_of(step, number);
+        return test::ExactBody(body.mesh.origin, body.mesh.mesh, motion.start, motion.scale);
+      };
+      if (!test::surfaces_meet(at_start(reported.body_a), at_start(reported.body_b), 0)) return std::nullopt;
+      return 0.0;
+    }
     const Sweep a = make_sweep(body.mesh, motion_of(step, reported.body_a), 0);
     const Sweep b = make_sweep(body.mesh, motion_of(step, reported.body_b), 0);
     // The vertex first.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/contact/feature_pair.h"
+#include "broadphase/distance/triangle_distance.h"
 #include "broadphase/separation/plane_check.h"
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/compound.h"
@@ -21,7 +22,9 @@ using Vector = Eigen::Vector3d;
 
 Vector at(const MovingPoints& points, std::size_t i, double t) { return (1 - t) * points.start[i] + t * points.end[i]; }
 
-auto rank(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
+auto order(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
+
+constexpr double tick = 0x1p-22;  // times are multiples of it
 
 /// Barycentric coordinates of the point of the triangle closest to p, up to rounding.
 Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner) {
@@ -49,12 +52,28 @@ Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner)
   return w;
 }
 
+}  // namespace
+
+namespace contact {
+
 /// Position and direction of the contact of two features, in the common frame.
 struct Meeting {
-  Vector on_a, on_b;  ///< at the time of contact
-  Vector path;        ///< of a's point relative to b's during the step
-  Vector normal;      ///< of the features, any length and sign
+  Eigen::Vector3d on_a, on_b;  ///< at the time of contact
+  Eigen::Vector3d path;        ///< of a's point relative to b's during the step
+  Eigen::Vector3d normal;      ///< of the features, any length and sign
 };
+
+/// Corners of two triangles at the time of contact, in the common frame.
+struct CornerPair {
+  TriangleD a, b;
+};
+
+}  // namespace contact
+
+namespace {
+
+using contact::CornerPair;
+using contact::Meeting;
 
 /// Meeting of the vertex points[0] and the face of the other three points. `vertex_is_a` is true if the vertex belongs
 /// to a.
@@ -77,23 +96,77 @@ Meeting meet_edges(const MovingPoints& points, double t) {
           (1 - s) * moved(0) + s * moved(1) - ((1 - r) * moved(2) + r * moved(3)), (p1 - p0).cross(q1 - q0)};
 }
 
-/// Unit normal from b towards a.
-Vector orient(const Meeting& meeting, double margin) {
+TriangleD at(const MovingTriangle& triangle, double t) {
+  return {triangle.corner(0, t), triangle.corner(1, t), triangle.corner(2, t)};
+}
+
+/// The farthest that a triangle reaches along a direction from a point.
+double reach(const TriangleD& triangle, const Vector& from, const Vector& direction) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Vector& corner : triangle) most = std::max(most, direction.dot(corner - from));
+  return most;
+}
+
+double longest_edge(const TriangleD& t) {
+  return std::sqrt(std::max({(t[1] - t[0]).squaredNorm(), (t[2] - t[1]).squaredNorm(), (t[0] - t[2]).squaredNorm()}));
+}
+
+/// How far the triangles reach to the other's side of the plane of contact.
+double overlap_along(const Vector& normal, const Meeting& meeting, const CornerPair& corners) {
+  return std::max(reach(corners.a, meeting.on_a, -normal), reach(corners.b, meeting.on_b, normal));
+}
+
+Vector unit_normal(const TriangleD& t) { return (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized(); }
+
+/// How far b's triangle faces along the normal and a's against it, from -2 to 2: outward normals, if bodies are closed.
+double facing(const Vector& normal, const CornerPair& corners) {
+  return normal.dot(unit_normal(corners.b) - unit_normal(corners.a));
+}
+
+/// Unit normal from b towards a, of features that are no farther apart than rounding.
+Vector normal_in_contact(const Meeting& meeting, const CornerPair& corners, double slack) {
   const Vector apart = meeting.on_a - meeting.on_b;
-  // Across a margin the closest points define the direction; in contact their difference is mere rounding.
-  if (margin > 0 && apart.norm() > 0.5 * margin) return apart.normalized();
   Vector n = meeting.normal;
   if (!(n.squaredNorm() > smallest_square)) n = meeting.path;
   if (!(n.squaredNorm() > smallest_square)) n = apart;
   if (!(n.squaredNorm() > smallest_square)) return Vector::UnitZ();
   n.normalize();
-  // a comes from the side that it moves away from. Its present side is a weaker hint, since features may pass beside
-  // each other.
+  // a comes from the side that it moves away from. Where it moves along the features, or rests, the triangles are on
+  // their own sides.
   const double along = n.dot(meeting.path);
-  return along > 0 || (along == 0 && n.dot(apart) < 0) ? Vector(-n) : n;
+  if (std::abs(along) > 1e-9 * meeting.path.norm()) return along > 0 ? Vector(-n) : n;
+  const double overlap = overlap_along(n, meeting, corners), other_way = overlap_along(-n, meeting, corners);
+  if (std::abs(overlap - other_way) > slack) return overlap > other_way ? Vector(-n) : n;
+  return facing(n, corners) < 0 ? Vector(-n) : n;
+}
+
+/// True if the first triangle lies on one side of the other one's plane, roundings left out.
+bool beside(const TriangleD& a, const TriangleD& b) {
+  const Vector normal = (b[1] - b[0]).cross(b[2] - b[0]);
+  const double x = normal.dot(a[0] - b[0]), y = normal.dot(a[1] - b[0]), z = normal.dot(a[2] - b[0]);
+  return (x > 0 && y > 0 && z > 0) || (x < 0 && y < 0 && z < 0);
+}
+
+std::array<std::int32_t, 4> sorted(std::int32_t x, std::array<std::int32_t, 3> rest) {
+  std::sort(rest.begin(), rest.end());
+  return {x, rest[0], rest[1], rest[2]};
 }
 
 }  // namespace
+
+/// During the step, in the common frame.
+struct PairContact::Triangles {
+  const MovingTriangle& a;
+  const MovingTriangle& b;
+};
+
+struct PairContact::Found {
+  double time;
+  ContactKind kind;
+  std::array<std::int32_t, 4> vertices;
+  Meeting meeting;
+  CornerPair corners;
+};
 
 bool PairContact::Side::turn_to(std::int32_t triangle) {
   if (part != nullptr && triangle >= first_triangle && triangle - first_triangle < triangle_count) return false;
@@ -117,7 +190,7 @@ bool PairContact::Side::turn_to(std::int32_t triangle) {
 
 PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          const ContactOptions& options)
-    : a_(a, motion_a), b_(b, motion_b), options_(options) {
+    : a_(a, motion_a), b_(b, motion_b), options_(options), latest_(options.latest) {
   assert(is_usable(motion_a) && is_usable(motion_b));
   if (!a.is_compound()) a_.turn_to(0);
   if (!b.is_compound()) b_.turn_to(0);
@@ -132,6 +205,7 @@ void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
     a_.ends = pair.a;
     b_.ends = pair.b;
     required_ = required_distance(local_a, a_.motion, local_b, b_.motion, options_.margin + a_.slack + b_.slack);
+    rounding_ = required_distance(local_a, a_.motion, local_b, b_.motion, 0);
   }
   const auto moving = [](const Side& side, std::int32_t triangle) {
     const auto& t = side.part->fine.mesh.triangles[triangle];
@@ -146,22 +220,19 @@ void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
   const auto [va, ta] = moving(a_, triangle_a);
   const auto [vb, tb] = moving(b_, triangle_b);
   const unsigned owned_a = a_.part->fine.owned[triangle_a], owned_b = b_.part->fine.owned[triangle_b];
-  const auto sorted = [](std::int32_t x, std::array<std::int32_t, 3> rest) {
-    std::sort(rest.begin(), rest.end());
-    return std::array<std::int32_t, 4>{x, rest[0], rest[1], rest[2]};
-  };
+  const Triangles triangles{ta, tb};
   for (unsigned i = 0; i < 3; ++i) {
     if ((owned_a >> i & 1U) != 0) {
       consider(ContactKind::vertex_face,
                {{ta.start[i], tb.start[0], tb.start[1], tb.start[2]}, {ta.end[i], tb.end[0], tb.end[1], tb.end[2]}},
-               sorted(va[i], vb));
+               sorted(va[i], vb), triangles);
     }
     if ((owned_b >> i & 1U) != 0) {
       auto ids = sorted(vb[i], va);
       std::rotate(ids.begin(), ids.begin() + 1, ids.end());
       consider(ContactKind::face_vertex,
                {{tb.start[i], ta.start[0], ta.start[1], ta.start[2]}, {tb.end[i], ta.end[0], ta.end[1], ta.end[2]}},
-               ids);
+               ids, triangles);
     }
   }
   for (unsigned i = 0; i < 3; ++i) {
@@ -172,35 +243,95 @@ void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
       const unsigned j1 = (j + 1) % 3;
       consider(ContactKind::edge_edge,
                {{ta.start[i], ta.start[i1], tb.start[j], tb.start[j1]}, {ta.end[i], ta.end[i1], tb.end[j], tb.end[j1]}},
-               {std::min(va[i], va[i1]), std::max(va[i], va[i1]), std::min(vb[j], vb[j1]), std::max(vb[j], vb[j1])});
+               {std::min(va[i], va[i1]), std::max(va[i], va[i1]), std::min(vb[j], vb[j1]), std::max(vb[j], vb[j1])},
+               triangles);
     }
   }
+  note_crossing(triangles, va, vb);
 }
 
-void PairContact::consider(ContactKind kind, const MovingPoints& points,
-                           const std::array<std::int32_t, 4>& vertices) noexcept {
+void PairContact::consider(ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices,
+                           const Triangles& triangles) noexcept {
   ++feature_tests_;
-  const Requirement required = {required_, options_.arc, latest()};
+  const Requirement required = {required_, options_.arc, latest_};
   const auto time =
       kind == ContactKind::edge_edge ? first_edge_edge(points, required) : first_vertex_face(points, required);
   if (!time) return;
-  Contact contact;
-  contact.time = *time;
-  contact.kind = kind;
-  contact.vertices = vertices;
-  if (first_ && rank(*first_) <= rank(contact)) return;
   const Meeting meeting = kind == ContactKind::edge_edge
                               ? meet_edges(points, *time)
                               : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
+  add({*time, kind, vertices, meeting, {at(triangles.a, *time), at(triangles.b, *time)}});
+}
+
+void PairContact::add(const Found& found) noexcept {
+  const auto& [time, kind, vertices, meeting, corners] = found;
+  const Vector apart = meeting.on_a - meeting.on_b;
+  // Across a margin the closest points define the direction; in contact their difference is mere rounding.
+  const double distance = options_.margin > 0 ? std::max(apart.norm(), 16 * rounding_) : 0;
+  const double slack = 1e-6 * (longest_edge(corners.a) + longest_edge(corners.b)) + 16 * rounding_;
+  const Vector normal = distance > 16 * rounding_ ? apart.normalized() : normal_in_contact(meeting, corners, slack);
+  Ranked ranked;
+  ranked.rank.distance = distance;
+  ranked.rank.unsupported = overlap_along(normal, meeting, corners) > slack;
+  ranked.rank.receding = normal.dot(meeting.path) / std::max(meeting.path.norm(), std::sqrt(smallest_square));
+  ranked.rank.averted = -facing(normal, corners);
+  ranked.contact = {time, kind, vertices};
   // The common frame has a's orientation at the start, and its origin moves with a's.
   const Motion& motion = a_.motion;
   const auto origin = [&](const Eigen::Isometry3d& pose) {
     return Placement(pose, motion.scale).origin(a_.part->frame);
   };
-  contact.point = motion.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
-                  ((1 - *time) * origin(motion.start) + *time * origin(motion.end));
-  contact.normal = (motion.start.linear() * orient(meeting, options_.margin)).normalized();
-  first_ = contact;
+  ranked.contact.point = motion.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
+                         ((1 - time) * origin(motion.start) + time * origin(motion.end));
+  ranked.contact.normal = (motion.start.linear() * normal).normalized();
+
+  const auto better = [](const Ranked& x, const Ranked& y) {
+    const auto key = [](const Ranked& r) {
+      return std::tie(r.rank.unsupported, r.rank.distance, r.rank.receding, r.rank.averted, r.contact.time,
+                      r.contact.kind, r.contact.vertices);
+    };
+    return key(x) < key(y);
+  };
+  if (!first_ || time < first_->time) {
+    const double later = first_ ? (first_->time - time) / tick : window + 1;
+    const int shift = static_cast<int>(std::min<double>(later, window + 1));
+    std::move_backward(best_.begin(), best_.end() - shift, best_.end());
+    std::fill(best_.begin(), best_.begin() + shift, std::nullopt);
+    first_.emplace().time = time;
+    latest_ = std::min(options_.latest, time + window * tick);
+  }
+  auto& slot = best_[static_cast<std::size_t>((time - first_->time) / tick)];
+  if (!slot || better(ranked, *slot)) slot = ranked;
+  const Ranked* best = nullptr;
+  for (const auto& candidate : best_) {
+    if (candidate && (best == nullptr || better(*candidate, *best))) best = &*candidate;
+  }
+  const double earliest = first_->time;
+  first_ = best->contact;
+  first_->time = earliest;
+  first_->overlapping = overlapping_;
+}
+
+/// Two triangles that cross touch at the start, although their features may be apart: a corner of one is beyond the
+/// other one.
+void PairContact::note_crossing(const Triangles& triangles, const std::array<std::int32_t, 3>& vertices_a,
+                                const std::array<std::int32_t, 3>& vertices_b) noexcept {
+  const TriangleD &a = triangles.a.start, &b = triangles.b.start;
+  if (beside(a, b) || beside(b, a) || !triangles_cross(a, b, rounding_)) return;
+  overlapping_ = true;
+  const Vector up = (b[1] - b[0]).cross(b[2] - b[0]);
+  int deepest = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (up.dot(a[k] - a[deepest]) < 0) deepest = k;
+  }
+  const MovingTriangle& face = triangles.b;
+  const MovingPoints points = {{a[deepest], face.start[0], face.start[1], face.start[2]},
+                               {triangles.a.end[deepest], face.end[0], face.end[1], face.end[2]}};
+  add({0,
+       ContactKind::vertex_face,
+       sorted(vertices_a[deepest], vertices_b),
+       meet_vertex_face(points, 0, true),
+       {a, b}});
 }
 
 namespace {
@@ -245,7 +376,7 @@ void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const Conta
     contact.time = time;
     contact.kind = ContactKind::vertex_plane;
     contact.vertices = {a.first_vertex + vertex, -1, -1, -1};
-    if (first && rank(*first) <= rank(contact)) return;
+    if (first && order(*first) <= order(contact)) return;
     const Vector x = a.motion.scale * (a.shape->frame.origin + a.shape->fine.vertex(vertex));
     contact.point = (1 - time) * (a.motion.start * x) + time * (a.motion.end * x);
     contact.normal = plane.normal;

@@ -3,12 +3,14 @@
 
 #include "cagegen/bake/coarse_meshes.h"
 #include "cagegen/collapse/collapse_maker.h"
+#include "cagegen/collapse/starts.h"
 #include "cagegen/flow/flow_maker.h"
 #include "cagegen/threads/parallel.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -62,7 +64,7 @@ std::vector<LevelWork::Maker> LevelWork::makers(const makers::Obstacle& obstacle
   // Who brings meshes, or an energy other than the volume, wants just what comes of them.
   const bool for_volume = job_.coarse == nullptr && final == volume_energy();
   if (options_.topology != Topology::keep && (collapses_ || for_volume)) {
-    makers.push_back({makers::convex_maker(obstacle, collapse_request_, collapse_), &collapse_});
+    makers.push_back({makers::convex_maker(obstacle, collapse_request_, collapse_), &collapse_, true});
   }
   if (collapses_) makers.push_back({makers::collapse_maker(obstacle, collapse_request_, collapse_), &collapse_});
   if (flows_ && !(collapses_ && makers::own_surface_suffices(job_.request))) {
@@ -82,6 +84,8 @@ std::vector<LevelWork::Maker> LevelWork::makers(const makers::Obstacle& obstacle
 
 std::optional<LevelWork::Result> LevelWork::run() {
   const makers::Obstacle obstacle(*job_.request.inner);
+  makers::WrapStarts wraps(obstacle, *job_.request.clean, job_.request.diagonal, job_.request.clearance);
+  collapse_request_.wraps = flow_request_.wraps = &wraps;
   const std::vector<Maker> all = makers(obstacle);
   for (;;) {
     std::vector<Contender> contenders = next_batch(all);
@@ -100,28 +104,40 @@ std::optional<LevelWork::Result> LevelWork::run() {
 
 std::vector<LevelWork::Contender> LevelWork::next_batch(const std::vector<Maker>& makers) {
   std::vector<std::vector<Candidate>> batches(makers.size());
-  std::mutex mutex;
   makers::for_each_task(job_.request.threads, makers.size(), [&](std::size_t m) {
-    if (makers[m].control == &flow_ && flow_.expired()) time_is_up();
-    if (makers[m].control->abandoned) return;
-    try {
-      batches[m] = makers[m].maker->next();
-    } catch (const Cancelled&) {
-      if (!makers[m].control->abandoned || makers[m].control->whole->cancelled()) throw;
-    } catch (const Error& error) {
-      // A decimator or an energy of the user's threw it. Other makers may still make the level.
-      const std::lock_guard lock(mutex);
-      failed_ = error.what();
-      if (makers.size() > 1) journal_.add("level of " + std::to_string(job_.request.faces) + " faces: " + failed_);
-    }
+    if (!makers[m].bounds_others) batches[m] = next_of(makers[m]);
   });
-  std::vector<Contender> contenders;
   // Convex cages only bound what the flow makes: they are no answer to who asked for the flow.
-  if (!collapses_ && batches.back().empty()) return contenders;
+  if (!collapses_ && batches.back().empty()) return {};
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<Candidate>& batch : batches) {
+    for (const Candidate& candidate : batch) least = std::min(least, candidate.volume);
+  }
+  for (std::size_t m = 0; m < makers.size(); ++m) {
+    if (makers[m].bounds_others && makers[m].maker->least_volume() < least) batches[m] = next_of(makers[m]);
+  }
+  std::vector<Contender> contenders;
   for (std::size_t m = 0; m < makers.size(); ++m) {
     for (Candidate& candidate : batches[m]) contenders.push_back({std::move(candidate), makers[m].maker.get()});
   }
   return contenders;
+}
+
+/// The maker's next candidates; none if it is out of time or fails.
+std::vector<Candidate> LevelWork::next_of(const Maker& maker) {
+  if (maker.control == &flow_ && flow_.expired()) time_is_up();
+  if (maker.control->abandoned) return {};
+  try {
+    return maker.maker->next();
+  } catch (const Cancelled&) {
+    if (!maker.control->abandoned || maker.control->whole->cancelled()) throw;
+  } catch (const Error& error) {
+    // A decimator or an energy of the user's threw it. Other makers may still make the level.
+    const std::lock_guard lock(failed_mutex_);
+    failed_ = error.what();
+    if (flows_ && collapses_) journal_.add("level of " + std::to_string(job_.request.faces) + " faces: " + failed_);
+  }
+  return {};
 }
 
 std::optional<LevelWork::Result> LevelWork::tightest(std::vector<Contender> contenders) {

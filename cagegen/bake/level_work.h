@@ -48,6 +48,7 @@ class LevelWork {
   struct Maker {
     std::unique_ptr<makers::CandidateMaker> maker;
     makers::Control* control;
+    bool bounds_others = false;  ///< asked only where the others have nothing that is tighter than all it can make
   };
   struct Contender {
     makers::Candidate candidate;
@@ -58,6 +59,7 @@ class LevelWork {
   std::vector<Maker> makers(const makers::Obstacle& obstacle);
   void begin_finishing();
   std::vector<Contender> next_batch(const std::vector<Maker>& makers);
+  std::vector<makers::Candidate> next_of(const Maker& maker);
   std::optional<Result> tightest(std::vector<Contender> contenders);
   void finish_best(std::vector<Contender>& contenders);
   std::optional<Certificate> accept(const makers::Candidate& candidate);
@@ -72,7 +74,8 @@ class LevelWork {
   std::atomic<bool> finishing_{false};
   bool gave_up_ = false;  ///< the flow was stopped in this batch or one before
   std::string refused_;   ///< the start of the last candidate that the certificate refused
-  std::string failed_;    ///< what a maker threw last
+  std::mutex failed_mutex_;
+  std::string failed_;  ///< what a maker threw last
   std::string failure_;
 };
 

@@ -3,6 +3,7 @@
 
 #include "cagegen/collapse/cage_editor.h"
 #include "cagegen/collapse/collapse.h"
+#include "cagegen/collapse/convex_hull.h"
 #include "cagegen/collapse/convex_starts.h"
 #include "cagegen/collapse/finish.h"
 #include "cagegen/collapse/starts.h"
@@ -121,8 +122,7 @@ std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, c
     }
     case Start::Kind::wrap: break;
   }
-  const double alpha = request.diagonal / start.parameter;
-  return wrap_start(obstacle, *request.clean, alpha, alpha * wrap_offset, request.clearance);
+  return request.wraps->get(start.parameter);
 }
 
 EditorOptions editor_options(const LevelRequest& request) {
@@ -195,7 +195,7 @@ std::vector<Candidate> compete(const Phase& phase, const Obstacle& obstacle, con
 /// Settles the candidates that may still become the tightest.
 void settle_best(std::vector<Candidate>& candidates, const Obstacle& obstacle, const LevelRequest& request,
                  Control& control) {
-  if (candidates.empty()) return;
+  if (candidates.empty() || own_surface_suffices(request)) return;
   const auto tightest = std::min_element(candidates.begin(), candidates.end(),
                                          [](const auto& a, const auto& b) { return a.volume < b.volume; });
   const double inside = std::max(0.0, signed_volume(*request.inner));
@@ -212,17 +212,26 @@ class ConvexMaker : public CandidateMaker {
 
   std::vector<Candidate> next() override {
     if (std::exchange(done_, true)) return {};
-    const ConvexFrame frame(*request_.clean, request_.clearance);
-    return compete(convex_starts(request_), obstacle_, request_, control_, &frame);
+    return compete(convex_starts(request_), obstacle_, request_, control_, &frame());
+  }
+  double least_volume() override {
+    const auto hull = convex_hull(frame().points);
+    return hull ? signed_volume(*hull) : 0;
   }
   void finish(Candidate& candidate) override { finish_by_volume(obstacle_, request_, control_, candidate); }
   void redistribute(Candidate& candidate) override { redistribute_by_volume(obstacle_, request_, control_, candidate); }
   std::string failure() const override { return "the certificate refuses the convex cages"; }
 
  private:
+  const ConvexFrame& frame() {
+    if (!frame_) frame_.emplace(*request_.clean, request_.clearance);
+    return *frame_;
+  }
+
   const Obstacle& obstacle_;
   const LevelRequest& request_;
   Control& control_;
+  std::optional<ConvexFrame> frame_;
   bool done_ = false;
 };
 

@@ -6,6 +6,8 @@
 #include <encage/mesh.h>
 
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,6 +39,28 @@ constexpr double wrap_offset = 1.0 / 12;
 /// An alpha wrap that is clear of the obstacle.
 std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleMesh& clean, double alpha, double offset,
                                        double clearance);
+
+/// The alpha wraps around one obstacle, each made once and when it is first asked for. Thread-safe.
+class WrapStarts {
+ public:
+  /// `clean` is the obstacle's surface without degenerate triangles. Refers to both.
+  WrapStarts(const Obstacle& obstacle, const TriangleMesh& clean, double diagonal, double clearance)
+      : obstacle_(obstacle), clean_(clean), diagonal_(diagonal), clearance_(clearance) {}
+
+  /// wrap_start() with an alpha of diagonal / parameter.
+  const std::optional<TriangleMesh>& get(double parameter);
+
+ private:
+  struct Entry {
+    std::once_flag once;
+    std::optional<TriangleMesh> start;
+  };
+  const Obstacle& obstacle_;
+  const TriangleMesh& clean_;
+  double diagonal_, clearance_;
+  std::mutex mutex_;  // guards the map, not its entries
+  std::map<double, Entry> entries_;
+};
 
 /// The components for which `kept` is set, of a mesh labelled by triangle_components(); unused vertices go.
 TriangleMesh keep_components(const TriangleMesh& mesh, std::span<const std::int32_t> label,

@@ -45,6 +45,18 @@ std::optional<TriangleMesh> wrap_start(const Obstacle& obstacle, const TriangleM
   return offset_start(obstacle, cage, 2 * clearance, true, clearance);
 }
 
+const std::optional<TriangleMesh>& WrapStarts::get(double parameter) {
+  Entry* entry = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    entry = &entries_[parameter];
+  }
+  const double alpha = diagonal_ / parameter;
+  std::call_once(entry->once,
+                 [&] { entry->start = wrap_start(obstacle_, clean_, alpha, alpha * wrap_offset, clearance_); });
+  return entry->start;
+}
+
 TriangleMesh make_manifold(const TriangleMesh& mesh) {
   // Opposite triangles on the same corners enclose nothing.
   std::vector<std::array<std::int32_t, 4>> keys;  // sorted corners, triangle

@@ -50,8 +50,8 @@ TriangleMesh thinned(const TriangleMesh& mesh, std::int64_t faces) {
 
 }  // namespace
 
-std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRequest& request,
-                                         const FlowChoices& choices, const std::function<void()>& check) {
+std::vector<CoarseSource> coarse_sources(const LevelRequest& request, const FlowChoices& choices,
+                                         const std::function<void()>& check) {
   std::vector<CoarseSource> sources;
   const double gap = part_gap * request.clearance;
   if (choices.coarse != nullptr) {
@@ -61,10 +61,7 @@ std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRe
                return mesh;
              }}};
   }
-  const auto wrap = [&obstacle, &request](double parameter) {
-    const double alpha = request.diagonal / parameter;
-    return wrap_start(obstacle, *request.clean, alpha, alpha * wrap_offset, request.clearance);
-  };
+  const auto wrap = [&request](double parameter) { return request.wraps->get(parameter); };
   if (choices.decimator) {
     sources.push_back({choices.decimator_name.empty() ? "decimator" : choices.decimator_name,
                        [=, &request, &choices]() -> std::optional<TriangleMesh> {

@@ -25,8 +25,8 @@ struct CoarseSource {
 };
 
 /// The sources to try for a level, in this order. They refer to the arguments.
-std::vector<CoarseSource> coarse_sources(const Obstacle& obstacle, const LevelRequest& request,
-                                         const FlowChoices& choices, const std::function<void()>& check);
+std::vector<CoarseSource> coarse_sources(const LevelRequest& request, const FlowChoices& choices,
+                                         const std::function<void()>& check);
 
 /// Drops the components of a coarse mesh that hold no part of F after the flow: minimising the volume would shrink them
 /// to nothing and turn them inside out. Voids stay. `moved` is the coarse mesh as F flowed into it, with the same

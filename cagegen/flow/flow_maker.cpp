@@ -55,7 +55,7 @@ class FlowMaker : public CandidateMaker {
         request_(request),
         choices_(choices),
         control_(control),
-        sources_(coarse_sources(obstacle, request, choices_, [this] { control_.throw_if_cancelled(); })) {}
+        sources_(coarse_sources(request, choices_, [this] { control_.throw_if_cancelled(); })) {}
 
   std::vector<Candidate> next() override {
     const bool compete = request_.faces <= compete_faces;

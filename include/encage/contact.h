@@ -60,15 +60,23 @@ struct Contact {
   /// Vertices of the fine meshes: first those of a's feature, then those of b's, each in increasing order. Unused
   /// entries are -1.
   std::array<std::int32_t, 4> vertices = {-1, -1, -1, -1};
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< world, midway between the features at `time`
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< world, unit length, from b towards a
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< world, midway between the features at `time`
+  /// World, unit length, from b towards a: the bodies part if a moves along it. Of overlapping bodies it is that of
+  /// some features that touch, and need not part them.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  /// The surfaces are proven to cross at the start; `time` is 0 then. Bodies that merely touch, and one that lies
+  /// inside the other, do not count.
+  bool overlapping = false;
 };
 
-/// Narrow phase of one pair of bodies. Any broad phase may supply the pairs of triangles. The result is the least
-/// contact by (time, kind, vertices): it does not depend on the order of the pairs, nor on how many pairs without
-/// contact are among them. Each pair of features is tested once, with the triangles that own them (Curtis et al. 2008,
-/// "Fast collision detection for deformable models using representative triangles"). Therefore every pair of triangles
-/// in contact has to be passed to test().
+/// Narrow phase of one pair of bodies. Any broad phase may supply the pairs of triangles. The time is that of the
+/// earliest contact. Where several features touch within 2^-20 of the step from then on, the contact is that of the
+/// features whose triangles lie on both sides of the plane of contact, that are nearest if there is a margin, that
+/// approach most directly, and whose triangles face each other; equals are ordered by time, kind and vertices. So it
+/// does not depend on the order of the pairs, nor on how many pairs without contact are among them. Each pair of
+/// features is tested once, with the triangles that own them (Curtis et al. 2008, "Fast collision detection for
+/// deformable models using representative triangles"). Therefore every pair of triangles in contact has to be passed to
+/// test().
 ///
 /// Both shapes, and all parts of compounds, need a fine mesh and must outlive this object. The object keeps the meshes
 /// that it works on in memory. The constructor and test() throw Error if a mesh of a ShapeCache cannot be read, and
@@ -84,13 +92,19 @@ class PairContact {
 
   const std::optional<Contact>& first() const noexcept { return first_; }
   /// Contacts that begin later than this time, in [0, 1], cannot change the result.
-  double latest() const noexcept { return first_ ? first_->time : options_.latest; }
+  double latest() const noexcept { return latest_; }
 
   /// Number of pairs of features tested so far.
   std::int64_t feature_tests() const noexcept { return feature_tests_; }
 
  private:
-  void consider(ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices) noexcept;
+  struct Triangles;
+  void consider(ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices,
+                const Triangles& triangles) noexcept;
+  void note_crossing(const Triangles& triangles, const std::array<std::int32_t, 3>& vertices_a,
+                     const std::array<std::int32_t, 3>& vertices_b) noexcept;
+  struct Found;
+  void add(const Found& found) noexcept;
 
   // A simple shape, or the part of a compound that was tested last.
   struct Side {
@@ -111,6 +125,23 @@ class PairContact {
   ContactOptions options_;
   bool placed_ = false;  // true if ends and required_ are those of the two current parts
   double required_ = 0;  // a larger distance proves absence of contact, rounding included
+  double rounding_ = 0;  // that of required_ without margins
+
+  // How well a contact parts the bodies, best first.
+  struct Rank {
+    double distance = 0;
+    bool unsupported = false;
+    double receding = 0;  // the share of the path along the normal
+    double averted = 0;   // how far the triangles face away from each other
+  };
+  struct Ranked {
+    Contact contact;
+    Rank rank;
+  };
+  static constexpr int window = 4;
+  std::array<std::optional<Ranked>, window + 1> best_;  // of each multiple of 2^-22, from the earliest contact on
+  double latest_;
+  bool overlapping_ = false;
   std::optional<Contact> first_;
   std::int64_t feature_tests_ = 0;
 };

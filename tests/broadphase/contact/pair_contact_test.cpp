@@ -8,8 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
@@ -95,6 +97,7 @@ void expect_same(const std::optional<Contact>& x, const std::optional<Contact>& 
   // The same features belong to different triangles, so the results are equal up to rounding.
   EXPECT_LT((x->point - y->point).norm(), 1e-9);
   EXPECT_LT((x->normal - y->normal).norm(), 1e-6);
+  EXPECT_EQ(x->overlapping, y->overlapping);
 }
 
 int rounds(int usual) {
@@ -256,7 +259,7 @@ TEST(Contacts, LieBetweenTheBodiesAndPointFromBToA) {
   shapes::Random random(5);
   const std::vector<Body> all = bodies();
   int contacts = 0, approaching = 0, margins = 0;
-  for (int round = 0; round < 600; ++round) {
+  for (int round = 0; round < 1200; ++round) {
     SCOPED_TRACE(round);
     const Scene scene = random_scene(random, all);
     const ContactOptions options{.margin = random.integer(2) == 0 ? 0 : random(0.01, 0.05)};
@@ -342,6 +345,100 @@ TEST(FirstContact, AtRest) {
     EXPECT_TRUE(contact->point.allFinite());
   }
   EXPECT_LT((at(2.01, 0.0101)->normal + Vector::UnitX()).norm(), 1e-6);  // from b to a
+}
+
+/// The contact of two boxes of half 1 of which a moves and b rests at the origin, and of the swapped pair with its
+/// normal reversed.
+std::array<std::optional<Contact>, 2> of_boxes(const Pose& start, const Pose& end, const ContactOptions& options = {}) {
+  static const std::vector<Body> all = bodies();
+  const Shape& box = *find(all, "box").shape;
+  const Motion motion{start, end}, rest = Motion::resting(Pose::Identity());
+  auto swapped = first_contact(box, rest, box, motion, options);
+  if (swapped) swapped->normal *= -1;
+  return {first_contact(box, motion, box, rest, options), swapped};
+}
+
+TEST(FirstContact, PartsBoxesWhoseSidesAreFlush) {
+  shapes::Random random(11);
+  for (int round = 0; round < 200; ++round) {
+    SCOPED_TRACE(round);
+    const double height = random(2.001, 5), depth = random(0, 1.9), beside = round % 2 == 0 ? 0 : random(-1.5, 1.5);
+    for (const auto& contact : of_boxes(shift(beside, 0, height), shift(beside, 0, depth))) {
+      ASSERT_TRUE(contact);
+      EXPECT_NEAR(contact->time, (height - 2) / (height - depth), 1e-6);
+      EXPECT_LT((contact->normal - Vector::UnitZ()).norm(), 1e-9) << contact->normal.transpose();
+      EXPECT_FALSE(contact->overlapping);
+    }
+    // Pushed along the floor that both stand on.
+    for (const auto& contact : of_boxes(shift(height, beside, 0), shift(depth, beside, 0))) {
+      ASSERT_TRUE(contact);
+      EXPECT_LT((contact->normal - Vector::UnitX()).norm(), 1e-9) << contact->normal.transpose();
+    }
+    // Sliding down askew: where sides are flush at first, they are not at the contact.
+    for (const auto& contact : of_boxes(shift(beside, 0, height), shift(beside + 0.7, 0.4, depth))) {
+      ASSERT_TRUE(contact);
+      EXPECT_LT((contact->normal - Vector::UnitZ()).norm(), 1e-9) << contact->normal.transpose();
+    }
+  }
+}
+
+TEST(FirstContact, PartsBodiesThatRestWithinTheMargin) {
+  shapes::Random random(12);
+  const double margin = 0.01;
+  for (const double share : {0.9, 0.6, 0.49, 0.2, 0.01, 0.0}) {
+    SCOPED_TRACE(share);
+    const double gap = 2 + share * margin;
+    for (int round = 0; round < 50; ++round) {
+      const double down = round % 5 == 0 ? 0 : 1e-3 * random(0, 1), beside = random(-0.5, 0.5);
+      Pose turned = shift(random(-0.4, 0.4), random(-0.4, 0.4), gap);
+      turned.linear() = Eigen::AngleAxisd(random(-3, 3), Vector::UnitZ()).toRotationMatrix();
+      Pose lower = turned;
+      lower.translation() += Vector(random(-1e-3, 1e-3), random(-1e-3, 1e-3), -down);
+      for (const auto& contact : of_boxes(turned, lower, {.margin = margin})) {
+        ASSERT_TRUE(contact);
+        EXPECT_GT(contact->normal.z(), 0.99) << contact->normal.transpose();
+      }
+      for (const auto& contact : of_boxes(shift(0, 0, gap), shift(0, 0, gap - down), {.margin = margin})) {
+        ASSERT_TRUE(contact);
+        EXPECT_GT(contact->normal.z(), 0.99) << contact->normal.transpose();
+      }
+      for (const auto& contact : of_boxes(shift(gap, beside, 0), shift(gap - down, beside, 0), {.margin = margin})) {
+        ASSERT_TRUE(contact);
+        EXPECT_GT(contact->normal.x(), 0.99) << contact->normal.transpose();
+      }
+    }
+  }
+}
+
+TEST(FirstContact, SaysThatBodiesOverlap) {
+  shapes::Random random(13);
+  const std::vector<Body> all = bodies();
+  int overlapping = 0, apart = 0;
+  for (int round = 0; round < 400; ++round) {
+    SCOPED_TRACE(round);
+    const Scene scene = random_scene(random, all);
+    const auto ta = at_time(scene.a.mesh(), scene.a.origin(), scene.motion_a, 0);
+    const auto tb = at_time(scene.b.mesh(), scene.b.origin(), scene.motion_b, 0);
+    bool crossing = false;
+    for (const RealTriangle& x : ta) {
+      for (const RealTriangle& y : tb) {
+        for (int k = 0; k < 3 && !crossing; ++k) {
+          crossing = pierces(x[k], x[(k + 1) % 3], y) || pierces(y[k], y[(k + 1) % 3], x);
+        }
+      }
+    }
+    const auto found = ask(scene);
+    if (crossing) {
+      ASSERT_TRUE(found);
+      EXPECT_TRUE(found->overlapping);
+      EXPECT_EQ(found->time, 0);
+    } else {
+      EXPECT_FALSE(found && found->overlapping);
+    }
+    ++(crossing ? overlapping : apart);
+  }
+  EXPECT_GT(overlapping, 50);
+  EXPECT_GT(apart, 50);
 }
 
 TEST(FirstContact, BodiesInTheSamePlaceTouchAtOnce) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cagegen/flow/flow_maker.h"
 
+#include "cagegen/collapse/starts.h"
 #include "cagegen/contact/minimize.h"
 #include "cagegen/flow/coarse_sources.h"
 #include "tests/cagegen/geometry/shapes.h"
@@ -33,6 +34,8 @@ struct Source {
     request.diagonal = mesh.diagonal;
     request.clearance = 1e-5 * mesh.diagonal;
     request.self_clearance = 6 * request.clearance;
+    wraps.emplace(obstacle, mesh.clean, request.diagonal, request.clearance);
+    request.wraps = &*wraps;
     choices.inflate = step_energy();
     choices.final = volume_energy();
     request.log = [this](std::string_view line) { log.emplace_back(line); };
@@ -58,6 +61,7 @@ struct Source {
 
   SourceMesh mesh;
   Obstacle obstacle;
+  std::optional<WrapStarts> wraps;
   LevelRequest request;
   FlowChoices choices;
   Control control;
@@ -241,7 +245,7 @@ TEST(FlowMaker, SmallCagesComeOfAllCoarseMeshes) {
 TEST(FlowMaker, WhereOthersCompeteWrapsOfLargeMeshesAreLeftToThem) {
   Source source(shapes::torus(1, 0.3, 120, 60), 400);
   const auto wraps = [&] {
-    const auto sources = coarse_sources(source.obstacle, source.request, source.choices, [] {});
+    const auto sources = coarse_sources(source.request, source.choices, [] {});
     return std::count_if(sources.begin(), sources.end(), [](const auto& s) { return s.name.starts_with("wrap/"); });
   };
   EXPECT_GT(wraps(), 0);
