@@ -18,6 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double planar_tolerance = 1e-6;  // diagonals; a tenth of the least clearance
+// Up to so many faces the starts, of so many times the faces, are better the fewer triangles planes have.
+constexpr std::int64_t few_faces = 150, start_faces = 8;
 
 /// When a time limit is over; never, if that lies beyond what the clock can count.
 std::optional<Clock::time_point> deadline(const std::optional<double>& seconds) {
@@ -51,7 +53,8 @@ std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTar
       request.manifold = true;
     }
     if (request.manifold && request.clean->triangles.rows() > target.faces) {
-      merged = makers::merge_planar_faces(*request.clean, planar_tolerance * source_.diagonal, target.faces);
+      const std::int64_t most = (target.faces <= few_faces ? start_faces : 1) * target.faces;
+      merged = makers::merge_planar_faces(*request.clean, planar_tolerance * source_.diagonal, most);
       if (merged) request.clean = &*merged;
     }
   }
