@@ -370,18 +370,24 @@ void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const Conta
   const FineLease lease(*a.shape);
   const PlaneCheck check(*a.shape, a.shape->fine, a.motion, plane, margin, options.arc);
   if (check.beyond_throughout()) return;
+  bool overlapping = first && first->overlapping;
   check.visit_reaching([&](std::int32_t vertex, double time) {
     if (time > (first ? first->time : options.latest)) return;
+    const Vector x = a.motion.scale * (a.shape->frame.origin + a.shape->fine.vertex(vertex));
+    const Vector start = a.motion.start * x;
+    // Positions, products and sums round by a few units of what they are made of.
+    const double size = x.lpNorm<1>() + a.motion.start.translation().lpNorm<1>() + std::abs(plane.offset);
+    overlapping |= time == 0 && plane.normal.dot(start) - plane.offset < -0x1p-46 * size - a.slack;
     Contact contact;
     contact.time = time;
     contact.kind = ContactKind::vertex_plane;
     contact.vertices = {a.first_vertex + vertex, -1, -1, -1};
     if (first && order(*first) <= order(contact)) return;
-    const Vector x = a.motion.scale * (a.shape->frame.origin + a.shape->fine.vertex(vertex));
-    contact.point = (1 - time) * (a.motion.start * x) + time * (a.motion.end * x);
+    contact.point = (1 - time) * start + time * (a.motion.end * x);
     contact.normal = plane.normal;
     first = contact;
   });
+  if (overlapping) first->overlapping = true;
 }
 
 }  // namespace

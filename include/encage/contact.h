@@ -64,8 +64,8 @@ struct Contact {
   /// World, unit length, from b towards a: the bodies part if a moves along it. Of overlapping bodies it is that of
   /// some features that touch, and need not part them.
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  /// The surfaces are proven to cross at the start; `time` is 0 then. Bodies that merely touch, and one that lies
-  /// inside the other, do not count.
+  /// The surfaces are proven to cross at the start, or a vertex to be inside the half-space; `time` is 0 then. Bodies
+  /// that merely touch, and one that lies inside the other, do not count.
   bool overlapping = false;
 };
 

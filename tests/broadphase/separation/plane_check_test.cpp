@@ -146,6 +146,28 @@ TEST(PlaneCheck, AgreesWithEveryVertexInLongDouble) {
   EXPECT_GT(below, 3'000);
 }
 
+TEST(FirstContact, SaysThatABodyIsInsideTheHalfSpace) {
+  const std::vector<Body> all = sample_bodies();
+  const Body& box = find(all, "box");  // half 1
+  const Body& star = find(all, "star");
+  const CompoundPart parts[] = {{star.shape, shift(0, 0, 9)}, {box.shape}};
+  const Motion rest = Motion::resting(shift(0, 0, 1));
+  for (const ShapePtr& shape : {box.shape, make_compound(parts)}) {
+    for (const double offset : {1e-9, 0.5, 5.0}) {
+      const auto inside = first_contact(*shape, rest, HalfSpace{.offset = offset});
+      ASSERT_TRUE(inside);
+      EXPECT_EQ(inside->time, 0);
+      EXPECT_TRUE(inside->overlapping);
+    }
+    const auto touching = first_contact(*shape, rest, HalfSpace{});
+    ASSERT_TRUE(touching);
+    EXPECT_FALSE(touching->overlapping);
+    const auto near = first_contact(*shape, rest, HalfSpace{.offset = -0.1}, {.margin = 0.2});
+    ASSERT_TRUE(near);
+    EXPECT_FALSE(near->overlapping);
+  }
+}
+
 TEST(PlaneCheck, TiesGoToTheSmallestVertex) {
   const Body box(without_cages(sample_shapes(0)[1]));
   Motion fall;
