@@ -28,6 +28,7 @@ using io::tail;
 using io::triangle_of;
 using Point = Eigen::Vector3d;
 
+constexpr std::int64_t most_triangles = 200'000;
 constexpr double least_cosine = 0.999;  // between the normals of a face's triangles
 
 using Kernel2 = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -159,25 +160,36 @@ class Merger {
 
   double distance(std::int32_t a, std::int32_t b) const { return (mesh_.vertex(a) - mesh_.vertex(b)).norm(); }
 
-  /// Keeps what lies off the line from the first vertex to the last (Douglas and Peucker 1973).
-  void straighten(const std::int32_t* first, const std::int32_t* last) {
-    if (last - first < 2) return;
-    const Eigen::Vector3d start = mesh_.vertex(*first), along = mesh_.vertex(*last) - start;
-    const std::int32_t* farthest = first;
+  /// Keeps what lies off the lines between the vertices kept, of a chain whose ends are (Douglas and Peucker 1973).
+  void straighten(const std::int32_t* begin, const std::int32_t* end) {
+    std::vector<std::pair<const std::int32_t*, const std::int32_t*>> open = {{begin, end}};
+    while (!open.empty()) {
+      const auto [first, last] = open.back();
+      open.pop_back();
+      const std::int32_t* const farthest = farthest_off(first, last);
+      if (farthest == nullptr) continue;
+      kept_[*farthest] = true;
+      open.push_back({first, farthest});
+      open.push_back({farthest, last});
+    }
+  }
+
+  /// The vertex between two others that is farthest off their line; null if none is off by more than the tolerance.
+  const std::int32_t* farthest_off(const std::int32_t* first, const std::int32_t* last) const {
+    const Point start = mesh_.vertex(*first), along = mesh_.vertex(*last) - start;
+    const double length = along.squaredNorm();
+    const std::int32_t* farthest = nullptr;
     double most = tolerance_;
     for (const std::int32_t* v = first + 1; v < last; ++v) {
-      const Eigen::Vector3d to = mesh_.vertex(*v) - start;
-      const double at = std::clamp(to.dot(along) / along.squaredNorm(), 0.0, 1.0);
+      const Point to = mesh_.vertex(*v) - start;
+      const double at = length > 0 ? std::clamp(to.dot(along) / length, 0.0, 1.0) : 0;
       const double off = (to - at * along).norm();
       if (off > most) {
         most = off;
         farthest = v;
       }
     }
-    if (farthest == first) return;
-    kept_[*farthest] = true;
-    straighten(first, farthest);
-    straighten(farthest, last);
+    return farthest;
   }
 
   /// One face between its border's kept vertices. False if they do not bound one.
@@ -246,6 +258,7 @@ class Merger {
 }  // namespace
 
 std::optional<TriangleMesh> merge_planar_faces(const TriangleMesh& mesh, double tolerance, std::int64_t most) {
+  if (mesh.triangles.rows() > most_triangles) return std::nullopt;
   std::optional<TriangleMesh> merged = Merger(mesh, tolerance).run(most);
   if (merged && merged->triangles.rows() > most) return std::nullopt;
   return merged;
