@@ -13,8 +13,9 @@ namespace encage::tank {
 /// When the features of a contact that was reported really touch; no value: never in this step.
 using Judge = std::function<std::optional<double>(const bench::RecordedStep& step, const BodyContact& contact)>;
 
-/// A reported time may lie this much before the real one: a span of the narrow phase's bisection, and rounding.
-inline constexpr double time_tolerance = 0x1p-21;
+/// A reported time may lie this much before that of the features reported with it: what PairContact allows among
+/// contacts at one time, a span of its bisection, and rounding.
+inline constexpr double time_tolerance = 0x1p-20 + 0x1p-21;
 
 /// What is wrong with one strategy's answers.
 struct Faults {

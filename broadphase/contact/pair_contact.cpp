@@ -54,6 +54,7 @@ Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner)
 
 }  // namespace
 
+// Not anonymous: types of PairContact are made of these.
 namespace contact {
 
 /// Position and direction of the contact of two features, in the common frame.

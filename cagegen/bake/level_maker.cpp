@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double planar_tolerance = 1e-6;  // diagonals; a tenth of the least clearance
+constexpr double planar_tolerance = 1e-6;  // diagonals; a tenth of the usual clearance
 // Up to so many faces the starts, of so many times the faces, are better the fewer triangles planes have.
 constexpr std::int64_t few_faces = 150, start_faces = 8;
 
@@ -48,7 +48,7 @@ std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTar
   std::optional<TriangleMesh> united, merged;
   if (finer == nullptr && source_.solid == Solid::closed && target.coarse == nullptr) {
     // Surfaces that cages can be made of with less: parts that overlap, and planes of more triangles than they need.
-    if ((united = io::union_surface(source_.clean))) {
+    if ((united = io::union_surface(source_.clean, [&] { control_.throw_if_cancelled(); }))) {
       request.clean = &*united;
       request.manifold = true;
     }

@@ -87,7 +87,7 @@ void collapse_short_edges(SurfaceMesh& solid, double length) {
 
 }  // namespace
 
-std::optional<TriangleMesh> union_surface(const TriangleMesh& mesh) {
+std::optional<TriangleMesh> union_surface(const TriangleMesh& mesh, const std::function<void()>& check) {
   if (mesh.triangles.rows() > most_triangles) return std::nullopt;
   const std::vector<std::vector<std::int64_t>> triangles = triangles_of_parts(mesh);
   if (triangles.size() < 2 || triangles.size() > most_parts) return std::nullopt;
@@ -99,14 +99,26 @@ std::optional<TriangleMesh> union_surface(const TriangleMesh& mesh) {
   }
   if (!boxes_meet(parts)) return std::nullopt;
 
-  SurfaceMesh solid;
+  std::vector<SurfaceMesh> solids;
   for (const TriangleMesh& part : parts) {
-    SurfaceMesh surface = makers::to_cgal<UnionKernel::Point_3>(part);
-    if (pmp::does_self_intersect(surface)) return std::nullopt;
-    SurfaceMesh larger;
-    if (!pmp::corefine_and_compute_union(solid, surface, larger)) return std::nullopt;
-    solid = std::move(larger);
+    check();
+    solids.push_back(makers::to_cgal<UnionKernel::Point_3>(part));
+    if (pmp::does_self_intersect(solids.back())) return std::nullopt;
   }
+  // Two by two, so that no part goes through many unions.
+  for (; solids.size() > 1; solids.resize((solids.size() + 1) / 2)) {
+    for (std::size_t i = 0; 2 * i < solids.size(); ++i) {
+      check();
+      if (2 * i + 1 == solids.size()) {
+        solids[i] = std::move(solids[2 * i]);
+        break;
+      }
+      SurfaceMesh both;
+      if (!pmp::corefine_and_compute_union(solids[2 * i], solids[2 * i + 1], both)) return std::nullopt;
+      solids[i] = std::move(both);
+    }
+  }
+  SurfaceMesh& solid = solids.front();
   const bool same = static_cast<std::int64_t>(solid.number_of_vertices()) == mesh.vertices.rows() &&
                     static_cast<std::int64_t>(solid.number_of_faces()) == mesh.triangles.rows();
   if (same) return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <encage/mesh.h>
 
+#include <functional>
 #include <optional>
 
 namespace encage::io {
@@ -11,7 +12,7 @@ namespace encage::io {
 /// together by edges of two triangles. Decimations should begin with that boundary: that of the parts intersects
 /// itself. Intersections are exact, then rounded to double. No value if the parts are apart, if one of them is not a
 /// solid by itself, if the union is not a manifold, or for more than a hundred parts or 100,000 triangles, where it
-/// would take long. `mesh` has no degenerate triangles.
-std::optional<TriangleMesh> union_surface(const TriangleMesh& mesh);
+/// would take long. `mesh` has no degenerate triangles. `check` is called between parts, and may throw.
+std::optional<TriangleMesh> union_surface(const TriangleMesh& mesh, const std::function<void()>& check);
 
 }  // namespace encage::io

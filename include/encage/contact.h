@@ -55,7 +55,8 @@ enum class ContactKind : std::uint8_t {
 
 /// First contact of two bodies, or of a body and a half-space.
 struct Contact {
-  double time = 0;  ///< in [0, 1]; the contact begins no earlier
+  /// In [0, 1]: no contact begins earlier. The features below touch within 2^-20 of it, unless the bodies overlap.
+  double time = 0;
   ContactKind kind = ContactKind::vertex_face;
   /// Vertices of the fine meshes: first those of a's feature, then those of b's, each in increasing order. Unused
   /// entries are -1.

@@ -6,6 +6,7 @@
 #include "tests/cagegen/io/shapes.h"
 
 #include <encage/bake.h>
+#include <encage/error.h>
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,9 @@ using shapes::sphere;
 using test::box;
 using test::inside_out;
 
-std::optional<TriangleMesh> united(const TriangleMesh& mesh) { return io::union_surface(sanitize(mesh).clean); }
+std::optional<TriangleMesh> united(const TriangleMesh& mesh) {
+  return io::union_surface(sanitize(mesh).clean, [] {});
+}
 
 TEST(UnionSurface, EnclosesWhatThePartsEnclose) {
   const auto cube = [](double x) { return box({x, x, x}, {x + 1, x + 1, x + 1}); };
@@ -31,6 +34,24 @@ TEST(UnionSurface, EnclosesWhatThePartsEnclose) {
   ASSERT_TRUE(surface);
   EXPECT_TRUE(certify_alone(*surface).holds);
   EXPECT_NEAR(signed_volume(*surface), 3 - 0.125 - 0.75 * 0.75 * 0.75, 1e-12);
+}
+
+TEST(UnionSurface, UnitesManyPartsAndCanBeStopped) {
+  // A chain of boxes, each overlapping the next by a tenth; one is left over in most rounds.
+  TriangleMesh boxes = box({0, 0, 0}, {1, 1, 1});
+  constexpr int count = 11;
+  for (int i = 1; i < count; ++i) boxes = joined(boxes, box({0.9 * i, 0.01 * i, 0}, {0.9 * i + 1, 1 + 0.01 * i, 1}));
+  const auto surface = united(boxes);
+  ASSERT_TRUE(surface);
+  EXPECT_TRUE(certify_alone(*surface).holds);
+  EXPECT_NEAR(signed_volume(*surface), count - (count - 1) * 0.1 * 0.99, 1e-12);
+
+  int checks = 0;
+  const auto stop = [&] {
+    if (++checks == count + 2) throw Error("stop");
+  };
+  EXPECT_THROW(io::union_surface(sanitize(boxes).clean, stop), Error);
+  EXPECT_EQ(checks, count + 2);
 }
 
 TEST(UnionSurface, DropsPartsInsideOthers) {
