@@ -117,8 +117,6 @@ double overlap_along(const Vector& normal, const Meeting& meeting, const CornerP
   return std::max(reach(corners.a, meeting.on_a, -normal), reach(corners.b, meeting.on_b, normal));
 }
 
-Vector unit_normal(const TriangleD& t) { return (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized(); }
-
 /// How far b's triangle faces along the normal and a's against it, from -2 to 2: outward normals, if bodies are closed.
 double facing(const Vector& normal, const CornerPair& corners) {
   return normal.dot(unit_normal(corners.b) - unit_normal(corners.a));

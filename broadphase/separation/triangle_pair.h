@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <array>
 
 namespace encage {
 
 using TriangleD = std::array<Eigen::Vector3d, 3>;
+
+/// 0 for a degenerate triangle.
+inline Eigen::Vector3d unit_normal(const TriangleD& t) { return (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized(); }
 
 /// A triangle whose corners move linearly between two positions.
 struct MovingTriangle {

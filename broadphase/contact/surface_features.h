@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "src/tree/mesh_arrays.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace encage {
+
+/// What contacts need of a mesh besides its tree: which triangles share an edge, and normals that tell inside from
+/// outside.
+struct SurfaceFeatures {
+  std::vector<std::int32_t> twin;  ///< of side 3 t + k, corners k and k + 1: the side opposite; -1 unless there is one
+  /// Per vertex, unit length: the normals of its triangles weighted by their angles there. The surface's nearest point
+  /// is a vertex only for points whose side this normal tells (Baerentzen and Aanaes 2005). 0 where triangles cancel.
+  std::vector<Eigen::Vector3f> vertex_normal;
+};
+
+/// Linear time but for the sorting of edges.
+SurfaceFeatures make_surface_features(const MeshView& mesh);
+
+/// A point of a surface, and the feature that it lies on.
+struct SurfacePoint {
+  enum class Kind : std::uint8_t { vertex, edge, face };
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double distance = 0;         ///< to the point asked for, >= 0
+  std::int32_t triangle = -1;  ///< one that has the feature
+  Kind kind = Kind::face;
+  std::int32_t corner = 0;  ///< of the triangle: the vertex, or the edge from it to the next one
+};
+
+/// Finds the point of a surface that is nearest to p and nearer than `reach`; false if there is none. All in the
+/// surface's local frame. Of several equally near triangles the first in the mesh is named. Never allocates.
+bool nearest_point(const MeshArraysView& surface, const Eigen::Vector3d& p, double reach, SurfacePoint& nearest);
+
+/// Unit normal of the feature, outward if the surface is closed: of a face, the sum of both faces of an edge, or a
+/// vertex's. 0 for degenerate features.
+Eigen::Vector3d feature_normal(const MeshArraysView& surface, const SurfaceFeatures& features,
+                               const SurfacePoint& point);
+
+}  // namespace encage
