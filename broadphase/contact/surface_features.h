@@ -23,6 +23,17 @@ struct SurfaceFeatures {
 /// Linear time but for the sorting of edges.
 SurfaceFeatures make_surface_features(const MeshView& mesh);
 
+/// Calls visit(triangle) for the triangles around corner k of a triangle, as far as they hang together by edges of two.
+template <class Visit>
+void visit_around(const SurfaceFeatures& features, std::int32_t triangle, int k, const Visit& visit) {
+  // The side that ends at the vertex leads on; its twin begins there.
+  std::int32_t side = 3 * triangle + k;
+  do {
+    visit(side / 3);
+    side = features.twin[static_cast<std::size_t>(side - side % 3 + (side + 2) % 3)];
+  } while (side >= 0 && side / 3 != triangle);
+}
+
 /// A point of a surface, and the feature that it lies on.
 struct SurfacePoint {
   enum class Kind : std::uint8_t { vertex, edge, face };

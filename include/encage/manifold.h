@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Contact points of two bodies that touch or are about to: what a rigid-body solver needs of a pair.
+
+#include <encage/export.h>
+#include <encage/shape.h>
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace ENCAGE_EXPORT encage {
+
+struct ManifoldOptions {
+  /// World units, >= 0. Points of bodies that are apart by no more than this are reported too (speculative contacts).
+  double margin = 0;
+  int most_points = 16;    ///< > 0, of a pair
+  int most_per_patch = 4;  ///< > 0
+};
+
+struct ManifoldPoint {
+  Eigen::Vector3d point_a = Eigen::Vector3d::Zero();  ///< world, on a's fine mesh
+  Eigen::Vector3d point_b = Eigen::Vector3d::Zero();  ///< on b's
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< world, unit length, from b towards a
+  double separation = 0;                              ///< world units, along the normal; negative: depth
+  std::uint64_t feature = 0;                          ///< the same for the same features in the next step
+  std::int32_t patch = 0;                             ///< points with one number belong to one region of contact
+};
+
+/// Memory of one pair of bodies: what contact_manifold() works with, and the features of the step before. May be used
+/// for another pair after clear(). Not for use by several threads at a time.
+class ManifoldCache {
+ public:
+  ManifoldCache();
+  ~ManifoldCache();
+  ManifoldCache(ManifoldCache&& other) noexcept;
+  ManifoldCache& operator=(ManifoldCache&& other) noexcept;
+
+  void clear() noexcept;
+
+  class State;
+  State& state() noexcept { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+/// Fills in contact points of two bodies at the start of their motions, the deepest of each patch first, and returns how
+/// many there are. Every pair of surfaces that are nearer than the margin gets a contact; depths and directions of deep
+/// overlap are heuristic (docs/contacts.md). Re-entrant with different caches. Allocates while the cache grows.
+int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                     const ManifoldOptions& options, ManifoldCache& cache, std::span<ManifoldPoint> points);
+
+}  // namespace encage
