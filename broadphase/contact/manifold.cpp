@@ -330,4 +330,9 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
   return reduce(state.candidates, options, pair, points);
 }
 
+int contact_manifold(const Shape&, const Motion&, const HalfSpace&, const ManifoldOptions&, ManifoldCache&,
+                     std::span<ManifoldPoint>) {
+  return 0;
+}
+
 }  // namespace encage

@@ -15,8 +15,12 @@
 namespace ENCAGE_EXPORT encage {
 
 struct ManifoldOptions {
-  /// World units, >= 0. Points of bodies that are apart by no more than this are reported too (speculative contacts).
+  /// World units, >= 0. Points of surfaces that are apart by no more than this are reported too (speculative contacts):
+  /// as far as the bodies may approach each other during the step.
   double margin = 0;
+  /// World units, >= 0, usually 0: each body is its mesh and everything within this distance. A mesh of one degenerate
+  /// triangle and a radius is a sphere or a capsule. Points lie on the rounded surfaces.
+  double radius_a = 0, radius_b = 0;
   int most_points = 16;    ///< > 0, of a pair
   int most_per_patch = 4;  ///< > 0
 };
@@ -53,5 +57,9 @@ class ManifoldCache {
 /// overlap are heuristic (docs/contacts.md). Re-entrant with different caches. Allocates while the cache grows.
 int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                      const ManifoldOptions& options, ManifoldCache& cache, std::span<ManifoldPoint> points);
+
+/// The same against a half-space; `point_b` lies on its plane.
+int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b, const ManifoldOptions& options,
+                     ManifoldCache& cache, std::span<ManifoldPoint> points);
 
 }  // namespace encage
