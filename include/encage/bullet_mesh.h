@@ -69,7 +69,7 @@ class BulletMeshShape final : public btConcaveShape {
   ~BulletMeshShape() override;
 
   const ShapePtr& shape() const noexcept { return shape_; }
-  /// Maps the frame of the asset, unscaled, to the body's: draw the asset's mesh at body * asset_to_body() * scaling.
+  /// Maps the frame of the asset, unscaled, to the body's: draw the asset's mesh at body * scaling * asset_to_body().
   const Eigen::Isometry3d& asset_to_body() const noexcept { return asset_to_body_; }
   double scale() const noexcept { return scale_; }
   /// Largest distance of a point of the body from its origin: world units, scaling and margin included.
