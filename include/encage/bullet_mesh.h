@@ -44,6 +44,10 @@ enum class BulletFrame : std::uint8_t {
 
 struct BulletMeshShapeOptions {
   BulletFrame frame = BulletFrame::asset;
+  /// Parts of the radius, >= 0, by which getAabb() enlarges the box, so that pairs are found before they touch. Bullet
+  /// enlarges the boxes of bodies by their motion, but not those of children of a btCompoundShape: there, children that
+  /// move farther than this in a step may touch others before they have contact points.
+  double reach = 0.02;
 };
 
 /// A mesh of an Encage shape, or a compound of such, for bodies that may move. It shares the shape. Any number of
@@ -57,8 +61,8 @@ struct BulletMeshShapeOptions {
 /// BulletMeshContacts for the dispatcher. Bullet's sweep tests (convexSweepTest) treat the mesh as its triangles.
 class BulletMeshShape final : public btConcaveShape {
  public:
-  /// Throws Error if the shape is null or has no fine mesh, or if the mass properties of a body in the principal frame
-  /// cannot be computed (mass_properties()). O(n).
+  /// Throws Error if the shape is null or has no fine mesh, if an option is out of range, or if the mass properties of
+  /// a body in the principal frame cannot be computed (mass_properties()). O(n).
   explicit BulletMeshShape(ShapePtr shape, const BulletMeshShapeOptions& options = {});
   /// Loads the asset and checks, by require_source(), that it was baked from this mesh. Throws Error, which names the
   /// file. `source` is only used during the call.
@@ -102,6 +106,7 @@ class BulletMeshShape final : public btConcaveShape {
   double reach_ = 0;         // largest distance of a vertex from the body's origin, unscaled
   bool encloses_ = false;    // mass_ is known
   MassProperties mass_;      // in the body's frame, unscaled
+  double box_growth_ = 0;    // a length, unscaled
   double scale_ = 1;
   btVector3 scaling_{1, 1, 1};  // as Bullet wants it
 };

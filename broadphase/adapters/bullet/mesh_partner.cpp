@@ -187,6 +187,16 @@ Rounded round_convex(const btConvexShape& shape) {
   }
 }
 
+/// Turns the triangles of a height field, which Bullet lists clockwise, so that they face up.
+void turn_up(TriangleMesh& mesh, int up) {
+  double area = 0;
+  for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+    const Eigen::Vector3d a = mesh.corner(t, 0);
+    area += (mesh.corner(t, 1) - a).cross(mesh.corner(t, 2) - a)[up];
+  }
+  if (area < 0) mesh.triangles.col(1).swap(mesh.triangles.col(2));
+}
+
 std::uint64_t hash_of(const Points& points) {
   // Points of hulls are few, and nobody forges them.
   const std::string_view bytes(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(Eigen::Vector3d));
@@ -206,14 +216,12 @@ std::uint64_t content_of(const btCollisionShape& shape) {
   return std::hash<const void*>()(source);
 }
 
-btVector3 scaling_of(const btCollisionShape& shape) { return shape.getLocalScaling(); }
-
 }  // namespace
 
 PartnerTraits traits_of(const btCollisionShape& shape) {
   PartnerTraits traits;
   traits.type = shape.getShapeType();
-  traits.scaling = scaling_of(shape);
+  traits.scaling = shape.getLocalScaling();
   traits.margin = shape.getMargin();
   shape.getAabb(btTransform::getIdentity(), traits.low, traits.high);
   return traits;
@@ -232,6 +240,9 @@ Partner make_partner(const btCollisionShape& shape) {
   } else {
     rounded = {collect_triangles(static_cast<const btConcaveShape&>(shape)), static_cast<double>(shape.getMargin()),
                true};
+    if (shape.getShapeType() == TERRAIN_SHAPE_PROXYTYPE) {
+      turn_up(rounded.mesh, static_cast<const btHeightfieldTerrainShape&>(shape).getUpAxis());
+    }
   }
   Partner partner;
   partner.traits = traits_of(shape);

@@ -146,6 +146,9 @@ BulletMeshShape::BulletMeshShape(ShapePtr shape, const BulletMeshShapeOptions& o
   m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE;
   m_collisionMargin = 0;
   if (!shape_) throw Error("Bullet mesh: the shape is null");
+  if (!(options.reach >= 0 && std::isfinite(options.reach))) {
+    throw Error("Bullet mesh: reach " + std::to_string(options.reach) + " has to be finite and >= 0");
+  }
   leases_ = lease_all(*shape_);
   const TriangleMesh mesh = copy_fine(*shape_);
   try {
@@ -164,6 +167,7 @@ BulletMeshShape::BulletMeshShape(ShapePtr shape, const BulletMeshShapeOptions& o
     box_.extend(x);
     reach_ = std::max(reach_, x.norm());
   }
+  box_growth_ = options.reach * reach_;
 }
 
 BulletMeshShape::BulletMeshShape(const std::filesystem::path& file, const TriangleMesh& source,
@@ -198,15 +202,15 @@ MassProperties BulletMeshShape::mass_properties() const {
 
 void BulletMeshShape::getAabb(const btTransform& body, btVector3& low, btVector3& high) const {
   const Motion at = motion(body);
-  const auto margin = static_cast<double>(m_collisionMargin);
+  const double margin = static_cast<double>(m_collisionMargin) + scale_ * box_growth_;
   if (is_usable(at)) {
     const Eigen::AlignedBox3d box = world_box(*shape_, at);
     low = rounded_down(box.min().array() - margin);
     high = rounded_up(box.max().array() + margin);
   } else {
     // Bullet shall see where the body is, whatever became of its basis.
-    btTransformAabb(bullet::to_bullet(scale_ * box_.min()), bullet::to_bullet(scale_ * box_.max()), m_collisionMargin,
-                    body, low, high);
+    btTransformAabb(bullet::to_bullet(scale_ * box_.min()), bullet::to_bullet(scale_ * box_.max()),
+                    static_cast<btScalar>(margin), body, low, high);
   }
 }
 

@@ -5,10 +5,8 @@
 #include <encage/asset.h>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
-#include <filesystem>
 #include <random>
 #include <set>
 #include <string>
@@ -56,14 +54,14 @@ TEST(BulletMeshShape, ScalesItsMassProperties) {
 
 TEST(BulletMeshShape, LiesInItsPrincipalFrameOnRequest) {
   const ShapePtr asset = make_shape(box({1, 2, 3}, {3, 5, 7}));
-  BulletMeshShape shape(asset, {.frame = BulletFrame::principal});
+  BulletMeshShape shape(asset, {.frame = BulletFrame::principal, .reach = 0});
   EXPECT_LT((shape.asset_to_body() * Eigen::Vector3d(2, 3.5, 5)).norm(), 1e-12);
   btVector3 inertia, low, high;
   shape.calculateLocalInertia(12, inertia);
   EXPECT_LT((numbers(inertia) - Eigen::Vector3d(13, 20, 25)).norm(), 1e-5);  // ascending
   shape.getAabb(btTransform::getIdentity(), low, high);
-  EXPECT_LT((numbers(high) - Eigen::Vector3d(2, 1.5, 1)).norm(), 1e-5);
-  EXPECT_LT((numbers(low) + Eigen::Vector3d(2, 1.5, 1)).norm(), 1e-5);
+  EXPECT_LT((numbers(high) - Eigen::Vector3d(2, 1.5, 1)).norm(), 1e-4);
+  EXPECT_LT((numbers(low) + Eigen::Vector3d(2, 1.5, 1)).norm(), 1e-4);
   EXPECT_NEAR(shape.radius(), std::sqrt(4 + 2.25 + 1), 1e-12);
 }
 
@@ -96,8 +94,8 @@ TEST(BulletMeshShape, HasATightBoxInEveryPose) {
       exact.extend(
           numbers(at * btVector3(static_cast<float>(x.x()), static_cast<float>(x.y()), static_cast<float>(x.z()))));
     }
-    EXPECT_LT((numbers(low) - exact.min()).maxCoeff(), -0.25 + 1e-5);
-    EXPECT_GT((numbers(high) - exact.max()).minCoeff(), 0.25 - 1e-5);
+    EXPECT_LT((numbers(low) - exact.min()).maxCoeff(), -0.25 - 0.02 * 7.5 + 1e-5);
+    EXPECT_GT((numbers(high) - exact.max()).minCoeff(), 0.25 + 0.02 * 7.5 - 1e-5);
     EXPECT_LT((exact.min() - numbers(low)).maxCoeff(), 1.5);  // of a body of radius 7.5
     EXPECT_LT((numbers(high) - exact.max()).maxCoeff(), 1.5);
   }
@@ -105,6 +103,7 @@ TEST(BulletMeshShape, HasATightBoxInEveryPose) {
 
 TEST(BulletMeshShape, RefusesWhatItCannotBe) {
   EXPECT_NE(error_of([] { BulletMeshShape shape(nullptr); }).find("null"), std::string::npos);
+  EXPECT_THROW(BulletMeshShape(make_shape(cube(1)), {.reach = -1}), Error);
   const auto shape = mesh_shape(cube(1));
   EXPECT_NE(error_of([&] { shape->setLocalScaling({1, 1, 2}); }).find("(1 1 2)"), std::string::npos);
   EXPECT_THROW(shape->setLocalScaling({0, 0, 0}), Error);
@@ -120,21 +119,19 @@ TEST(BulletMeshShape, RefusesWhatItCannotBe) {
 }
 
 TEST(BulletMeshShape, IsMadeOnlyFromTheAssetOfTheMesh) {
-  const Body body = body_named("torus");
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("encage_bullet_mesh_" + std::to_string(getpid()) + ".glb");
-  write_asset(file, body.sample.hierarchy);
-  TriangleMesh source = body.sample.hierarchy.fine;
-  source.vertices.rowwise() += body.sample.hierarchy.origin.transpose();
+  const std::string file = ENCAGE_TEST_DATA "/asset_v1.glb";
+  const CageHierarchy asset = read_asset(file);
+  TriangleMesh source = asset.fine;
+  source.vertices.rowwise() += asset.origin.transpose();
+  source.triangles.conservativeResize(source.triangles.rows() - asset.cap_count, 3);
   const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> vertices = source.vertices.cast<float>();
   btTriangleIndexVertexArray arrays(static_cast<int>(source.triangles.rows()), source.triangles.data(), 12,
                                     static_cast<int>(vertices.rows()), const_cast<float*>(vertices.data()), 12);
   EXPECT_EQ(error_of([&] { BulletMeshShape shape(file, source); }), "");
   EXPECT_EQ(error_of([&] { BulletMeshShape shape(file, arrays); }), "");
   const std::string refusal = error_of([&] { BulletMeshShape shape(file, cube(1)); });
-  EXPECT_NE(refusal.find(file.string()), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find(file), std::string::npos) << refusal;
   EXPECT_NE(refusal.find("was not baked from this mesh"), std::string::npos) << refusal;
-  std::filesystem::remove(file);
 }
 
 /// The triangles that a callback gets.
