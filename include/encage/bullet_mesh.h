@@ -140,10 +140,12 @@ struct BulletMeshOptions {
 /// contactPairTest) get their points as from Bullet's algorithms. Time of impact is not computed: use the speculative
 /// reach.
 ///
-/// Create it after other algorithms have been registered, and destroy several objects that register with one dispatcher
-/// in reverse order of creation. A world may outlive it; the dispatcher must. Pairs that exist when it is created keep
-/// their algorithms, also when it is destroyed. Dispatch may run on as many threads as Bullet itself allows; call
-/// forget() only while the dispatcher is idle.
+/// Create it after other algorithms have been registered and before a BulletMeshShape joins the world, for Bullet's own
+/// algorithms take it for a shape of another class; destroy it when none is left, or after the world, and several
+/// objects that register with one dispatcher in reverse order of creation. The dispatcher must outlive it. Pairs that
+/// exist when it is destroyed keep their algorithms. Dispatch may run on as many threads as Bullet itself allows; call
+/// forget() only while the dispatcher is idle. A step throws Error for a shape that cannot be converted (a vertex that
+/// is not finite).
 class BulletMeshContacts {
  public:
   /// Throws Error if an option is out of range.

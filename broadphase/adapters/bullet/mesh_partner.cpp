@@ -15,6 +15,7 @@
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btMultiSphereShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleMeshShape.h>
 #include <LinearMath/btConvexHullComputer.h>
@@ -53,17 +54,22 @@ TriangleMesh with_triangles(const Points& points, const std::vector<Eigen::RowVe
   return mesh;
 }
 
-/// The convex hull. Of points on a line or in a plane it has no volume, and is closed nevertheless.
+/// The point that is farthest from x.
+Eigen::Vector3d farthest_from(const Eigen::Vector3d& x, const Points& points) {
+  return *std::max_element(points.begin(), points.end(), [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
+    return (p - x).squaredNorm() < (q - x).squaredNorm();
+  });
+}
+
+/// The convex hull. Without volume it is still closed: both sides of a polygon, a segment or a point, the last two as
+/// one degenerate triangle.
 TriangleMesh hull_of(const Points& points) {
   btConvexHullComputer hull;
-  if (points.size() > 3) {
-    hull.compute(points.front().data(), sizeof(Eigen::Vector3d), static_cast<int>(points.size()), 0, 0);
-  }
-  if (hull.vertices.size() < 3) {
-    const int last = static_cast<int>(points.size()) - 1;
-    if (last < 2) return with_triangles(points, {{0, last, last}});
-    if (last == 2) return with_triangles(points, {{0, 1, 2}, {0, 2, 1}});
-    throw Error("Bullet convex shape: its points are all the same or on a line");
+  hull.compute(points.front().data(), sizeof(Eigen::Vector3d), static_cast<int>(points.size()), 0, 0);
+  if (hull.faces.size() == 0) {
+    const Eigen::Vector3d one = farthest_from(points.front(), points), other = farthest_from(one, points);
+    if (one == other) return with_triangles({one}, {{0, 0, 0}});
+    return with_triangles({one, other}, {{0, 1, 1}});
   }
   Points corners;
   for (int v = 0; v < hull.vertices.size(); ++v) {
@@ -147,6 +153,8 @@ Points hull_points(const btConvexShape& shape) {
   return points;
 }
 
+bool has_unit_scaling(const btCollisionShape& shape) { return shape.getLocalScaling() == btVector3(1, 1, 1); }
+
 Rounded round_convex(const btConvexShape& shape) {
   const auto margin = static_cast<double>(shape.getMargin());
   switch (shape.getShapeType()) {
@@ -159,6 +167,17 @@ Rounded round_convex(const btConvexShape& shape) {
       const auto half = static_cast<double>(capsule.getHalfHeight());
       return {hull_of({on_axis(capsule.getUpAxis(), -half), on_axis(capsule.getUpAxis(), half)}),
               static_cast<double>(capsule.getRadius())};
+    }
+    case MULTI_SPHERE_SHAPE_PROXYTYPE: {
+      const auto& spheres = static_cast<const btMultiSphereShape&>(shape);
+      Points centres;
+      for (int i = 0; i < spheres.getSphereCount(); ++i) {
+        if (spheres.getSphereRadius(i) != spheres.getSphereRadius(0)) break;
+        centres.push_back(to_eigen(spheres.getSpherePosition(i)));
+      }
+      const bool exact = static_cast<int>(centres.size()) == spheres.getSphereCount() && has_unit_scaling(shape);
+      if (exact) return {hull_of(centres), static_cast<double>(spheres.getSphereRadius(0))};
+      return {hull_of(farthest_points(shape, support_points))};
     }
     case BOX_SHAPE_PROXYTYPE: {
       const auto& box = static_cast<const btBoxShape&>(shape);

@@ -2,6 +2,7 @@
 #include "tests/broadphase/adapters/bullet_mesh_world.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
