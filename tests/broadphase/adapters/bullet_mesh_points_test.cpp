@@ -168,12 +168,11 @@ TEST_F(Manifolds, KeepAnchorsThatFrictionHolds) {
 }
 
 TEST_F(Manifolds, DoNotAllocateOnceTheyAreThere) {
-  const std::vector<ManifoldPoint> few = {point(1, 0), point(2, 1)};
-  std::vector<ManifoldPoint> many;
+  std::vector<ManifoldPoint> few = {point(1, 0), point(2, 1)}, many;
   for (int i = 0; i < 16; ++i) many.push_back(point(static_cast<std::uint64_t>(i), i, i / 3));
   fill(many);
   const long before = allocations;
-  for (const auto* points : {&few, &many, &few}) manifolds.fill(*points, wrap_a, wrap_b, 0.05);
+  for (const std::vector<ManifoldPoint>& points : {std::cref(few), std::cref(many)}) fill(points);
   EXPECT_EQ(allocations, before);
 }
 
