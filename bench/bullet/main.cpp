@@ -2,6 +2,9 @@
 // encage-bullet: octopuses in a Bullet world, with and without the adapter.
 
 #include "bench/bullet/compare.h"
+#include "bench/bullet/contact_method.h"
+#include "bench/bullet/scene_command.h"
+#include "bench/bullet/scenes.h"
 #include "bench/common/command.h"
 #include "bench/common/meshes.h"
 #include "bench/octopus/octopus.h"
@@ -22,6 +25,9 @@ constexpr const char* examples = R"(Examples:
   encage-bullet
   encage-bullet --bodies 100 --width 8 --speed 2 --spin 2
   encage-bullet --gravity 5 --asset octopus.glb --json bullet.json
+  encage-bullet --scene chain,bowls --json scenes.json
+      links that hang and bowls that are stacked, by every method of contacts
+  encage-bullet --scene heap --methods gimpact --seed 5 --poses heap.csv
 
 Bodies of one concave mesh, about 1 in radius, start on a grid, turned and thrown at random, and tumble in a cube of six
 planes: many bounding boxes overlap, few bodies touch. The worlds take turns step by step; each is simulated for itself.
@@ -34,6 +40,7 @@ struct BulletArguments {
   std::int64_t faces = 50'000;
   BulletScene scene;
   int steps = 480, runs = 3;
+  SceneArguments contacts;
 };
 
 /// Mesh and shape: an asset's, with its cages, or an octopus with one cage.
@@ -66,9 +73,31 @@ void define(bench::CommandOptions& options, BulletArguments& a) {
   number("--margin", a.scene.margin, 0, "Collision margin of the meshes");
   number("--dt", a.scene.dt, least, "Seconds between steps");
   options.json(a.json);
+
+  SceneArguments& c = a.contacts;
+  options.add("--scene", c.scenes, "Contact scenes, by all methods, instead of the comparison")
+      .one_of(scene_names())
+      .type("NAME,…");
+  options.add("--methods", c.methods, "Of the contact scenes")
+      .shows_default("all")
+      .one_of(all_method_names())
+      .type("NAME,…");
+  options.add("--seed", c.seeds, "Of the contact scenes; medians count").shows_default("three for each").type("N,…");
+  options.add("--seconds", c.seconds, "Simulated, of the contact scenes")
+      .within(1, 1e4)
+      .shows_default("the scene's")
+      .type("S");
+  options.add("--triangles", c.octopus_triangles, "Of the heap's octopus").shows_default().type("N");
+  options.add("--poses", c.poses, "Write the poses of one contact scene, method and seed").type("FILE.csv");
+  options.add("--every", c.poses_every, "Write every K-th step").between(1, 1'000'000).shows_default().type("K");
 }
 
 bool run(BulletArguments& a) {
+  if (!a.contacts.scenes.empty()) {
+    bench::check_outputs({a.json, a.contacts.poses}, {});
+    a.contacts.json = a.json;
+    return run_scenes(a.contacts);
+  }
   bench::check_outputs({a.json}, {a.asset});
   const auto [mesh, shape] = body(a);
   const BulletComparison comparison = compare(mesh, shape, a.scene, a.steps, a.runs);

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where HACD is not found.
+#include "bench/bullet/contact_method.h"
+
+namespace encage::bullet_bench {
+
+std::unique_ptr<ContactMethod> make_hull_method() { return nullptr; }
+
+}  // namespace encage::bullet_bench
