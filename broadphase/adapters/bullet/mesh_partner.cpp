@@ -66,11 +66,6 @@ Eigen::Vector3d farthest_from(const Eigen::Vector3d& x, const Points& points) {
 TriangleMesh hull_of(const Points& points) {
   btConvexHullComputer hull;
   hull.compute(points.front().data(), sizeof(Eigen::Vector3d), static_cast<int>(points.size()), 0, 0);
-  if (hull.faces.size() == 0) {
-    const Eigen::Vector3d one = farthest_from(points.front(), points), other = farthest_from(one, points);
-    if (one == other) return with_triangles({one}, {{0, 0, 0}});
-    return with_triangles({one, other}, {{0, 1, 1}});
-  }
   Points corners;
   for (int v = 0; v < hull.vertices.size(); ++v) {
     // The computer rounds coordinates; these are the points as they are.
@@ -84,6 +79,11 @@ TriangleMesh hull_of(const Points& points) {
          edge = edge->getNextEdgeOfFace()) {
       triangles.emplace_back(apex, edge->getSourceVertex(), edge->getTargetVertex());
     }
+  }
+  if (triangles.empty()) {
+    const Eigen::Vector3d one = farthest_from(points.front(), points), other = farthest_from(one, points);
+    if (one == other) return with_triangles({one}, {{0, 0, 0}});
+    return with_triangles({one, other}, {{0, 1, 1}});
   }
   TriangleMesh mesh = with_triangles(corners, triangles);
   if (signed_volume(mesh) < 0) mesh.triangles.col(1).swap(mesh.triangles.col(2));

@@ -474,7 +474,7 @@ TEST(BulletMeshContacts, TellWhenContactsBeginAndEnd) {
   MeshWorld w;
   auto& shape = w.keep(mesh_shape(cube(0.5)));
   w.add(shape, {0, 0, 0}, 0);
-  btRigidBody& b = w.add(shape, {0.2F, 0.1F, 0.995F});
+  btRigidBody& b = w.add(shape, {0.2F, 0.1F, 1.005F});
   started = ended = 0;
   gContactStartedCallback = [](btPersistentManifold* const&) { ++started; };
   gContactEndedCallback = [](btPersistentManifold* const&) { ++ended; };
