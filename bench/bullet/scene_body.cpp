@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/bullet/scene_body.h"
 
-#include "bench/tank/mass.h"
-
 namespace encage::bullet_bench {
 namespace {
 
@@ -13,7 +11,7 @@ constexpr double negligible_product = 1e-6;
 }  // namespace
 
 SceneBodyModel::SceneBodyModel(const TriangleMesh& given) : mesh(given), frame(Eigen::Isometry3d::Identity()) {
-  const tank::MassProperties mass = tank::mass_properties(given);
+  const MassProperties mass = mass_properties(given);
   const Eigen::Matrix3d inertia = mass.inertia / mass.mass;
   Eigen::Matrix3d products = inertia;
   products.diagonal().setZero();
