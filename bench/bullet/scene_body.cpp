@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/bullet/scene_body.h"
 
+#include <encage/mass_properties.h>
+
 namespace encage::bullet_bench {
 namespace {
 
