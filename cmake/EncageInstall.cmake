@@ -53,7 +53,7 @@ endfunction()
 function(encage_install_common)
   install(DIRECTORY include/encage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
     FILES_MATCHING PATTERN *.h
-    REGEX "/(bake|bullet|decimator|energy|fcl)\\.h$" EXCLUDE)
+    REGEX "/(bake|bullet|bullet_mesh|decimator|energy|fcl)\\.h$" EXCLUDE)
   write_basic_package_version_file(EncageConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES cmake/EncageConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/EncageConfigVersion.cmake
           DESTINATION ${encage_package_dir} COMPONENT development)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bench/tank/mass.h"
+#include <encage/mass_properties.h>
 
 #include <Eigen/Geometry>
 

@@ -4,6 +4,7 @@
 #include "broadphase/motion/pair_frame.h"
 #include "broadphase/shape/on_demand.h"
 #include "broadphase/shape/outline.h"
+#include "broadphase/shape/surface_features.h"
 #include "src/asset/view.h"
 #include "src/tree/mesh_arrays.h"
 
@@ -13,6 +14,7 @@
 #include <cassert>
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -92,11 +94,21 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
   /// Returns how far the source may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
   double error_in_world(double scale) const { return has_fine() ? (1 + 1e-8) * scale * fine_error : 0; }
+  /// Returns the features of the fine mesh, which must be in memory. The first call makes them; they are kept. Thread
+  /// safe.
+  const SurfaceFeatures& features() const {
+    std::call_once(features_made_, [this] { features_ = make_surface_features(fine.mesh); });
+    return features_;
+  }
 
   // The memory that the surfaces refer to.
   std::deque<MeshArrays> owned_arrays;
   std::optional<AssetView> asset;
   std::unique_ptr<OnDemandMesh> on_demand;  ///< set for a shape of a ShapeCache that has a fine mesh
+
+ private:
+  mutable std::once_flag features_made_;
+  mutable SurfaceFeatures features_;
 };
 
 /// One part of a compound.

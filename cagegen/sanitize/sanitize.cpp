@@ -14,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -41,15 +40,6 @@ void validate(const TriangleMesh& mesh) {
     throw Error("face " + std::to_string(t) + ": vertex index is out of range (" +
                 std::to_string(mesh.vertices.rows()) + " vertices)");
   }
-}
-
-Hash hash(const TriangleMesh& mesh) {
-  const std::array<std::int64_t, 2> sizes = {mesh.vertices.rows(), mesh.triangles.rows()};
-  Hasher hasher;
-  hasher.add(std::as_bytes(std::span(sizes)));
-  hasher.add(std::as_bytes(std::span(mesh.vertices.data(), static_cast<std::size_t>(mesh.vertices.size()))));
-  hasher.add(std::as_bytes(std::span(mesh.triangles.data(), static_cast<std::size_t>(mesh.triangles.size()))));
-  return hasher.digest();
 }
 
 void weld_vertices(TriangleMesh& mesh, SanitizeReport& report) {
@@ -241,7 +231,7 @@ EnclosingSurface close(TriangleMesh mesh, double diagonal) {
 SourceMesh sanitize(const TriangleMesh& input) {
   validate(input);
   SourceMesh source;
-  source.hash = hash(input);
+  source.hash = hash_mesh(input);
   TriangleMesh welded = input;
   weld_vertices(welded, source.report);
   localise(welded, source);

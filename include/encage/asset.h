@@ -4,6 +4,7 @@
 #include <encage/cage.h>
 #include <encage/error.h>
 #include <encage/export.h>
+#include <encage/mesh.h>
 
 #include <filesystem>
 
@@ -28,5 +29,10 @@ enum class LoadMode {
 
 /// Loads a hierarchy. Throws Error, which names the file, the section and the reason.
 CageHierarchy read_asset(const std::filesystem::path& file, Verify verify = Verify::cages);
+
+/// Checks that an asset was baked from this mesh: the source's hash is the mesh's, or, for a mesh that was rounded to
+/// float or whose vertices were split or welded since, every triangle of the stored fine mesh is the mesh's triangle of
+/// the same number. Linear time. Throws Error, which names the file and how the mesh differs.
+void require_source(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 }  // namespace encage

@@ -10,6 +10,7 @@
 #include <encage/error.h>
 #include <encage/executor.h>
 #include <encage/fine_lease.h>
+#include <encage/mass_properties.h>
 #include <encage/mesh.h>
 #include <encage/poses.h>
 #include <encage/separated.h>

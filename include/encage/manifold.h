@@ -52,9 +52,10 @@ class ManifoldCache {
   std::unique_ptr<State> state_;
 };
 
-/// Fills in contact points of two bodies at the start of their motions, the deepest of each patch first, and returns how
-/// many there are. Every pair of surfaces that are nearer than the margin gets a contact; depths and directions of deep
-/// overlap are heuristic (docs/contacts.md). Re-entrant with different caches. Allocates while the cache grows.
+/// Fills in contact points of two bodies at the start of their motions, and returns how many there are. Points of
+/// features that the step before reported come first, in their order, then new ones, the deepest first. Every pair of
+/// surfaces that are nearer than the margin gets a contact; depths and directions of deep overlap are heuristic
+/// (docs/contacts.md). Re-entrant with different caches. Allocates while the cache grows.
 int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                      const ManifoldOptions& options, ManifoldCache& cache, std::span<ManifoldPoint> points);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "src/files/hash.h"
 
+#include <array>
+#include <cstdint>
 #include <string>
 
 // The code is inlined, so that the run time does not depend on libxxhash.
@@ -30,6 +32,15 @@ void Hasher::add(std::span<const std::byte> bytes) {
 Hash Hasher::digest() const { return to_hash(XXH3_128bits_digest(&state_->xxh3)); }
 
 Hash hash_bytes(std::span<const std::byte> bytes) { return to_hash(XXH3_128bits(bytes.data(), bytes.size())); }
+
+Hash hash_mesh(const TriangleMesh& mesh) {
+  const std::array<std::int64_t, 2> sizes = {mesh.vertices.rows(), mesh.triangles.rows()};
+  Hasher hasher;
+  hasher.add(std::as_bytes(std::span(sizes)));
+  hasher.add(std::as_bytes(std::span(mesh.vertices.data(), static_cast<std::size_t>(mesh.vertices.size()))));
+  hasher.add(std::as_bytes(std::span(mesh.triangles.data(), static_cast<std::size_t>(mesh.triangles.size()))));
+  return hasher.digest();
+}
 
 std::string to_string(const Hash& hash) {
   static constexpr char digits[] = "0123456789abcdef";

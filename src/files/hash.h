@@ -2,6 +2,7 @@
 #pragma once
 
 #include <encage/cage.h>
+#include <encage/mesh.h>
 
 #include <cstddef>
 #include <memory>
@@ -28,5 +29,8 @@ class Hasher {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Returns the hash of vertices and triangles as they are: CageHierarchy::source_hash of a source.
+Hash hash_mesh(const TriangleMesh& mesh);
 
 }  // namespace encage

@@ -19,11 +19,10 @@ struct Rotation {
   double skew;
 };
 
-/// One step of Newton's iteration for the polar factor: a departure of d becomes d^2, 1e-14 for float. If the matrix is
-/// farther from a rotation, separated() refuses the result.
+/// If the matrix is far from a rotation, separated() refuses the result.
 Rotation nearest_rotation(const btMatrix3x3& basis) {
   const Eigen::Matrix3d r = to_eigen(basis);
-  const Eigen::Matrix3d rotation = r * (1.5 * Eigen::Matrix3d::Identity() - 0.5 * r.transpose() * r);
+  const Eigen::Matrix3d rotation = nearer_to_rotation(r);
   return {rotation, (rotation - r).norm()};
 }
 

@@ -4,6 +4,7 @@
 #include "cagegen/certify/certify.h"
 
 #include <encage/error.h>
+#include <encage/mass_properties.h>
 
 #include <gtest/gtest.h>
 
@@ -82,6 +83,18 @@ TEST(Octopus, RefusesSizesItCannotShow) {
   EXPECT_THROW(make_octopus(fewest_octopus_faces - 1), Error);
   EXPECT_THROW(make_octopus(most_octopus_faces + 1), Error);
   EXPECT_THROW(make_octopus(-5), Error);
+}
+
+TEST(Octopus, HasItsCentreOfMassInTheMiddle) {
+  const MassProperties m = mass_properties(make_octopus(fewest_octopus_faces));
+  EXPECT_LT(m.centre.cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_NEAR(m.radius, 1, 1e-6);
+  // No body of radius 1 has more than its mass at the rim; moments satisfy the triangle inequality.
+  EXPECT_GT(m.moments[0], 0.01 * m.mass);
+  EXPECT_LT(m.moments[2], m.mass);
+  EXPECT_LT(m.moments[2], m.moments[0] + m.moments[1]);
+  // The octopus is its own mirror image in x: that axis is a principal one.
+  EXPECT_GT(m.axes.row(0).cwiseAbs().maxCoeff(), 0.99);
 }
 
 }  // namespace

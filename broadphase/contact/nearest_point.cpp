@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "broadphase/contact/surface_features.h"
+#include "broadphase/contact/nearest_point.h"
 
-#include "broadphase/separation/triangle_pair.h"
 #include "src/tree/visit.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -25,36 +25,6 @@ TriangleD corners(const MeshView& mesh, std::int32_t triangle) {
   return {vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2])};
 }
 
-double angle(const Vector& a, const Vector& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
-std::vector<std::int32_t> find_twins(const MeshView& mesh) {
-  struct Entry {
-    std::uint64_t edge;  // lower vertex, higher vertex
-    std::int32_t side;
-    bool operator<(const Entry& other) const { return edge != other.edge ? edge < other.edge : side < other.side; }
-  };
-  std::vector<Entry> entries;
-  entries.reserve(3 * mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t u = mesh.triangles[t][k], v = mesh.triangles[t][(k + 1) % 3];
-      entries.push_back({std::min(u, v) << 32 | std::max(u, v), static_cast<std::int32_t>(3 * t + k)});
-    }
-  }
-  std::sort(entries.begin(), entries.end());
-  std::vector<std::int32_t> twin(entries.size(), -1);
-  for (std::size_t i = 0; i < entries.size();) {
-    std::size_t end = i + 1;
-    while (end < entries.size() && entries[end].edge == entries[i].edge) ++end;
-    if (end - i == 2) {
-      twin[static_cast<std::size_t>(entries[i].side)] = entries[i + 1].side;
-      twin[static_cast<std::size_t>(entries[i + 1].side)] = entries[i].side;
-    }
-    i = end;
-  }
-  return twin;
-}
-
 /// The squared distance from p to the boxes of a node, in grid steps.
 void box_distances(const MeshNode& node, const Vector& p, std::array<double, MeshNode::width>& squared) {
   squared.fill(0);
@@ -66,7 +36,8 @@ void box_distances(const MeshNode& node, const Vector& p, std::array<double, Mes
   }
 }
 
-/// The nearest point of a triangle (Ericson 2005, section 5.1.5), and the feature that it lies on.
+}  // namespace
+
 SurfacePoint nearest_in_triangle(const Vector& p, const TriangleD& t) {
   using Kind = SurfacePoint::Kind;
   SurfacePoint best;
@@ -95,25 +66,8 @@ SurfacePoint nearest_in_triangle(const Vector& p, const TriangleD& t) {
   return best;
 }
 
-}  // namespace
-
-SurfaceFeatures make_surface_features(const MeshView& mesh) {
-  SurfaceFeatures features;
-  features.twin = find_twins(mesh);
-  std::vector<Vector> sums(mesh.vertices.size(), Vector::Zero());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const TriangleD c = corners(mesh, static_cast<std::int32_t>(t));
-    const Vector n = unit_normal(c);
-    for (std::size_t k = 0; k < 3; ++k) {
-      sums[mesh.triangles[t][k]] += angle(c[(k + 1) % 3] - c[k], c[(k + 2) % 3] - c[k]) * n;
-    }
-  }
-  features.vertex_normal.reserve(sums.size());
-  for (const Vector& sum : sums) features.vertex_normal.push_back(sum.stableNormalized().cast<float>());
-  return features;
-}
-
-bool nearest_point(const MeshArraysView& surface, const Vector& p, double reach, SurfacePoint& nearest) {
+bool nearest_point(const MeshArraysView& surface, const Vector& p, double reach, SurfacePoint& nearest,
+                   const NormalFilter& filter) {
   const MeshTreeView& tree = surface.tree;
   const double step = static_cast<double>(tree.grid.step);
   Vector at;
@@ -151,11 +105,12 @@ bool nearest_point(const MeshArraysView& surface, const Vector& p, double reach,
       }
       for (int i = 0; i < count; ++i) {
         const LeafTriangle& leaf = tree.leaves[static_cast<std::size_t>(node.child(lane) + i)];
-        SurfacePoint found = nearest_in_triangle(p, corners(surface.mesh, leaf.triangle));
+        const TriangleD triangle = corners(surface.mesh, leaf.triangle);
+        SurfacePoint found = nearest_in_triangle(p, triangle);
         found.triangle = leaf.triangle;
         const bool better = found.distance < nearest.distance ||
                             (found.distance == nearest.distance && nearest.triangle > leaf.triangle);
-        if (better) nearest = found;
+        if (better && (filter.most >= 1 || unit_normal(triangle).dot(filter.axis) < filter.most)) nearest = found;
       }
     }
     // The nearest one last, to be opened first.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "broadphase/contact/surface_features.h"
+#include "broadphase/contact/nearest_point.h"
 
 #include "broadphase/shape/shape.h"
 #include "oracles/body.h"

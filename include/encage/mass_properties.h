@@ -1,12 +1,16 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+// Volume, centre and inertia of the body that a closed mesh encloses.
+
 #include <encage/error.h>
+#include <encage/export.h>
 #include <encage/mesh.h>
 
-namespace encage::tank {
+namespace ENCAGE_EXPORT encage {
 
-/// A rigid body of unit density, in the frame of its mesh.
+/// A rigid body of unit density, in the frame of its mesh. Scale by density; a body s times as large has s^3 times the
+/// mass and s^5 times the moments.
 struct MassProperties {
   double mass = 0;                                     ///< the volume
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< of mass
@@ -17,7 +21,8 @@ struct MassProperties {
 };
 
 /// Exact integrals over the signed tetrahedra that the triangles span with a common point, summed in index order.
-/// Throws Error if the mesh is not closed, not finite, or encloses no positive volume.
+/// Regions that the surface encloses twice count twice. Throws Error if the mesh is not closed, not finite, or encloses
+/// no positive volume.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
-}  // namespace encage::tank
+}  // namespace encage

@@ -1,12 +1,12 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "bench/tank/mass.h"
-
+// SPDX-License-Identifier: Apache-2.0
 #include "src/mesh/principal_frame.h"
+
+#include <encage/mass_properties.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace encage::tank {
+namespace encage {
 namespace {
 
 /// Integrals of 1, x and x x^T over the signed tetrahedra.
@@ -68,4 +68,4 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   return body;
 }
 
-}  // namespace encage::tank
+}  // namespace encage

@@ -1,0 +1,618 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "broadphase/contact/contact_search.h"
+
+#include "broadphase/distance/triangle_distance.h"
+#include "broadphase/separation/box_gate.h"
+#include "broadphase/separation/containment.h"
+#include "src/mesh/segments.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace encage {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Where = ContactScratch::Where;
+
+/// Largest cosine of the normals of two features that face each other.
+constexpr double facing_cosine = -0.25;
+/// Radians by which a direction may leave a feature's Voronoi region.
+constexpr double region_slack = 1e-3;
+/// Least ratio of the length of a patch's vector area to its area at which the vector tells the side it entered by.
+constexpr double coherent = 0.85;
+/// Sine of the angle between the triangles of an edge below which the edge counts as flat.
+constexpr double flat_edge = 1e-7;
+/// Vertices that are searched for inwards, of one body of a pair. What is deeper counts no more.
+constexpr std::size_t most_flooded = 4096;
+
+std::uint64_t vertex_feature(const ContactBody& guest, const ContactBody& host, bool guest_is_a, std::int32_t v) {
+  return static_cast<std::uint64_t>(guest_is_a ? 0 : 1) << 62 |
+         static_cast<std::uint64_t>(static_cast<std::uint32_t>(host.part) & 0x3fffffffU) << 32 |
+         static_cast<std::uint32_t>(guest.first_vertex + v);
+}
+
+class Search {
+ public:
+  Search(ContactScratch& scratch, double limit, double error, std::span<const ContactSide> sides,
+         std::vector<ContactSide>& new_sides)
+      : s_(scratch), limit_(limit), error_(error), sides_(sides), new_sides_(new_sides) {}
+
+  void run() {
+    s_.leaf_pairs.clear();
+    s_.crossings.clear();
+    for (ContactBody* body : {&s_.a, &s_.b}) {
+      body->leaf_index.clear();
+      body->vertex_index.clear();
+      body->leaves.clear();
+      body->vertices.clear();
+      body->edges.clear();
+    }
+    PairMotion motion;
+    motion.at_rest = true;
+    // The maps of the gate are without the scales.
+    motion.a.fill({s_.a.map.linear / s_.a.scale, s_.a.map.offset});
+    motion.b.fill({s_.b.map.linear / s_.b.scale, s_.b.map.offset});
+    const Surface &a = *s_.a.surface, &b = *s_.b.surface;
+    const BoxGate gate(motion, {a.radius, a.tree.grid, s_.a.scale}, {b.radius, b.tree.grid, s_.b.scale},
+                       limit_ + error_);
+    visit_leaf_pairs(
+        a.tree, b.tree, gate,
+        [](void* self, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
+          static_cast<Search*>(self)->leaves(first_a, count_a, first_b, count_b);
+          return true;
+        },
+        this);
+    const std::size_t first = s_.candidates.size();
+    if (!s_.leaf_pairs.empty()) {
+      vertices_of(s_.a, s_.b, true);
+      vertices_of(s_.b, s_.a, false);
+      add_crossings(first);
+    }
+    if (s_.candidates.size() == first) last_resort();
+  }
+
+ private:
+  void leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
+    const std::int32_t index_a = s_.a.leaf(first_a, count_a), index_b = s_.b.leaf(first_b, count_b);
+    s_.leaf_pairs.push_back({index_a, index_b});
+    const ContactLeaf &a = s_.a.leaves[static_cast<std::size_t>(index_a)],
+                      &b = s_.b.leaves[static_cast<std::size_t>(index_b)];
+    note_nearest(b, vertices(s_.a, a));
+    note_nearest(a, vertices(s_.b, b));
+    for (const ContactEdge& ea : edges(s_.a, a)) {
+      for (const ContactEdge& eb : edges(s_.b, b)) edge_pair(ea, eb);
+    }
+    if (s_.a.round) local_minima(s_.a, a, s_.b, b, true);
+    if (s_.b.round) local_minima(s_.b, b, s_.a, a, false);
+  }
+
+  static std::span<ContactVertex> vertices(ContactBody& body, const ContactLeaf& leaf) {
+    return std::span(body.vertices)
+        .subspan(static_cast<std::size_t>(leaf.first_vertex), static_cast<std::size_t>(leaf.vertex_count));
+  }
+  static std::span<const ContactEdge> edges(const ContactBody& body, const ContactLeaf& leaf) {
+    return std::span(body.edges)
+        .subspan(static_cast<std::size_t>(leaf.first_edge), static_cast<std::size_t>(leaf.edge_count));
+  }
+
+  /// True if `direction`, at right angles to the edge, stays in its region.
+  static bool in_region(const ContactEdge& edge, const Vector& direction, double slack) {
+    return edge.out[0].dot(direction) >= -slack && edge.out[1].dot(direction) >= -slack;
+  }
+
+  /// Two edges meet if a common perpendicular leads from b's edge outwards, and back to a's (Gauss map).
+  void edge_pair(const ContactEdge& a, const ContactEdge& b) {
+    Vector n = a.along.cross(b.along);
+    const double length = n.norm(), slack = region_slack * length;
+    if (!(length > 1e-4 * a.length * b.length)) return;
+    const bool forth = in_region(b, n, slack) && in_region(a, -n, slack);
+    const bool back = in_region(b, -n, slack) && in_region(a, n, slack);
+    if (!forth && !back) return;
+    const auto [s, t] = closest_parameters(a.along, b.along, a.start - b.start);
+    if (!(s > 0 && s < 1 && t > 0 && t < 1)) return;
+    const Vector on_a = a.start + s * a.along, on_b = b.start + t * b.along;
+    const Vector apart = on_a - on_b;
+    n /= forth && (!back || n.dot(apart) > 0) ? length : -length;
+    ContactCandidate c;
+    c.point_a = on_a;
+    c.point_b = on_b;
+    c.normal = n;
+    c.separation = n.dot(apart);
+    if (!(c.separation <= limit_)) return;
+    c.feature = std::uint64_t{2} << 62 | static_cast<std::uint64_t>(3 * s_.a.first_triangle + a.side) << 31 |
+                static_cast<std::uint64_t>(3 * s_.b.first_triangle + b.side);
+    if (c.separation >= 0) {
+      s_.candidates.push_back(c);
+    } else if (c.separation > -std::min(a.length, b.length)) {
+      s_.crossings.push_back({c, a.side, b.side});
+    }
+  }
+
+  void add(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
+           const Vector& on_host, const Vector& normal, double separation) {
+    ContactCandidate c;
+    c.point_a = guest_is_a ? v.position : on_host;
+    c.point_b = guest_is_a ? on_host : v.position;
+    c.normal = guest_is_a ? normal : Vector(-normal);
+    c.separation = separation;
+    c.feature = vertex_feature(guest, host, guest_is_a, v.vertex);
+    s_.candidates.push_back(c);
+  }
+
+  /// Locates the vertices near the other body, finds those inside it, and makes contacts of both.
+  void vertices_of(ContactBody& guest, ContactBody& host, bool guest_is_a) {
+    s_.located.clear();
+    s_.located.resize(guest.vertices.size());
+    const double limit2 = limit_ * limit_;
+    for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
+      const ContactVertex& v = guest.vertices[i];
+      if (v.any <= limit2) locate(host, v, v.any_triangle, s_.located[i]);
+    }
+    if (host.solid) {
+      locate_crossing(guest, host, guest_is_a);
+      flood(guest, host);
+    }
+    for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
+      const ContactVertex& v = guest.vertices[i];
+      switch (s_.located[i].where) {
+        case Where::outside:
+          if (v.any <= limit2) outside(guest, host, guest_is_a, v, s_.located[i].nearest);
+          break;
+        case Where::inside: inside(guest, host, guest_is_a, v, s_.located[i]); break;
+        case Where::unknown: break;
+      }
+    }
+  }
+
+  /// Takes the nearest triangle.
+  static void locate(const ContactBody& host, const ContactVertex& v, std::int32_t triangle,
+                     ContactScratch::Located& located) {
+    const Vector p = host.inverse(v.position);
+    const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(triangle, k)); };
+    located.nearest = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
+    located.nearest.triangle = triangle;
+    set_side(host, p, located);
+  }
+
+  static void set_side(const ContactBody& host, const Vector& p, ContactScratch::Located& located) {
+    const bool behind =
+        host.solid && feature_normal(*host.surface, *host.features, located.nearest).dot(p - located.nearest.point) < 0;
+    located.where = behind ? Where::inside : Where::outside;
+  }
+
+  void locate_anywhere(const ContactBody& host, const ContactVertex& v, ContactScratch::Located& located) const {
+    const Vector p = host.inverse(v.position);
+    if (nearest_point(*host.surface, p, std::numeric_limits<double>::infinity(), located.nearest)) {
+      set_side(host, p, located);
+    }
+  }
+
+  /// Locates the corners, beyond the limit, of triangles that cross the host.
+  void locate_crossing(ContactBody& guest, const ContactBody& host, bool guest_is_a) {
+    std::int32_t last = -1;
+    bool open = false;
+    for (const ContactScratch::LeafPair& pair : s_.leaf_pairs) {
+      const std::int32_t on_guest = guest_is_a ? pair.a : pair.b, on_host = guest_is_a ? pair.b : pair.a;
+      if (on_guest != last) {
+        last = on_guest;
+        open = has_unlocated(guest, guest.leaves[static_cast<std::size_t>(on_guest)]);
+      }
+      if (!open) continue;
+      const ContactLeaf& leaf = guest.leaves[static_cast<std::size_t>(on_guest)];
+      const ContactLeaf& other = host.leaves[static_cast<std::size_t>(on_host)];
+      for (int i = 0; i < leaf.count; ++i) {
+        std::uint32_t left = may_touch(leaf, i, other, error_);
+        if (left == 0) continue;
+        const std::int32_t t = leaf.triangle[static_cast<std::size_t>(i)];
+        const TriangleD own = guest.triangle(t);
+        for (; left != 0; left &= left - 1) {
+          const auto j = static_cast<std::size_t>(__builtin_ctz(left));
+          if (!triangles_cross(own, host.triangle(other.triangle[j]), 0)) continue;
+          for (int k = 0; k < 3; ++k) {
+            const auto v = static_cast<std::size_t>(guest.vertex(t, k));
+            if (v >= s_.located.size()) s_.located.resize(v + 1);
+            if (s_.located[v].where == Where::unknown) locate_anywhere(host, guest.vertices[v], s_.located[v]);
+          }
+          break;
+        }
+      }
+      open = has_unlocated(guest, guest.leaves[static_cast<std::size_t>(on_guest)]);
+    }
+  }
+
+  bool has_unlocated(ContactBody& guest, const ContactLeaf& leaf) const {
+    for (int i = 0; i < leaf.count; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t v = guest.vertex_index[guest.vertex_number(leaf.triangle[static_cast<std::size_t>(i)], k)];
+        if (v < 0 || static_cast<std::size_t>(v) >= s_.located.size() ||
+            s_.located[static_cast<std::size_t>(v)].where == Where::unknown) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  /// Finds the vertices inside the host that hang together with those found, and groups them.
+  void flood(ContactBody& guest, const ContactBody& host) {
+    s_.patches.clear();
+    std::size_t searched = 0;
+    for (std::size_t seed = 0; seed < s_.located.size(); ++seed) {
+      if (s_.located[seed].where != Where::inside || s_.located[seed].patch >= 0) continue;
+      const auto number = static_cast<std::int32_t>(s_.patches.size());
+      s_.patches.emplace_back();
+      s_.queue.clear();
+      s_.queue.push_back(static_cast<std::int32_t>(seed));
+      s_.located[seed].patch = number;
+      for (std::size_t next = 0; next < s_.queue.size(); ++next) {
+        const std::int32_t side = guest.vertices[static_cast<std::size_t>(s_.queue[next])].side;
+        visit_around(*guest.features, side / 3, side % 3, [&](std::int32_t t) {
+          const TriangleD corners = guest.triangle(t);
+          const Vector area = (corners[1] - corners[0]).cross(corners[2] - corners[0]) / 6;
+          ContactScratch::Patch& patch = s_.patches.back();
+          patch.area += area;
+          patch.size += area.norm();
+          for (int k = 0; k < 3; ++k) {
+            const auto v = static_cast<std::size_t>(guest.vertex(t, k));
+            if (v >= s_.located.size()) s_.located.resize(v + 1);
+            ContactScratch::Located& located = s_.located[v];
+            if (located.where == Where::unknown && searched < most_flooded) {
+              ++searched;
+              locate_anywhere(host, guest.vertices[v], located);
+            }
+            if (located.where != Where::inside || located.patch >= 0) continue;
+            located.patch = number;
+            s_.queue.push_back(static_cast<std::int32_t>(v));
+          }
+        });
+      }
+    }
+  }
+
+  void outside(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
+               const SurfacePoint& nearest) {
+    if (guest.round) return;                                               // see local_minima()
+    if (host.round && nearest.kind == SurfacePoint::Kind::vertex) return;  // likewise
+    const Vector on_host = host.map(nearest.point);
+    const Vector away = v.position - on_host;
+    const double distance = away.norm();
+    if (!host.solid && !host.round) {
+      two_sided(guest, host, guest_is_a, v, nearest);
+      return;
+    }
+    if (distance <= 4 * error_) {
+      Vector normal;
+      if (facing_faces(guest, v, host, nearest, normal)) add(guest, host, guest_is_a, v, on_host, normal, distance);
+      return;
+    }
+    const Vector normal = away / distance;
+    if (v.normal.dot(normal) < v.most_cosine || in_vertex_region(guest, v, -normal)) {
+      if (host.round && !in_vertex_region(guest, v, -normal)) return;
+      add(guest, host, guest_is_a, v, on_host, normal, distance);
+      return;
+    }
+    // The nearest triangle looks away: the one that faces the vertex, if the vertex is above it.
+    if (!(v.facing <= limit_ * limit_)) return;
+    const TriangleD triangle = host.triangle(v.facing_triangle);
+    const SurfacePoint facing = nearest_in_triangle(v.position, triangle);
+    const Vector up = v.position - facing.point;
+    const double height = up.norm();
+    if (facing.kind != SurfacePoint::Kind::face || !(unit_normal(triangle).dot(up) > 0)) return;
+    add(guest, host, guest_is_a, v, facing.point, up / height, height);
+  }
+
+  /// A vertex and a surface without interior: the side is that of the step before, or the one that the vertex's own
+  /// normal faces.
+  void two_sided(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
+                 const SurfacePoint& nearest) {
+    const Vector on_host = host.map(nearest.point), away = v.position - on_host;
+    const double distance = away.norm();
+    const Vector face = unit_normal(host.triangle(nearest.triangle));
+    Vector normal = distance > 4 * error_ ? Vector(away / distance) : face;
+    const std::uint64_t feature = vertex_feature(guest, host, guest_is_a, v.vertex);
+    const Vector* const before = side_before(feature);
+    const double wanted = before != nullptr ? host.direction(*before).dot(normal) : -v.normal.dot(normal);
+    double separation = distance;
+    if (before != nullptr || guest.solid) {
+      if (std::abs(wanted) < -facing_cosine) return;
+      if (wanted < 0) {
+        if (std::abs(face.dot(normal)) < 0.7) return;  // beyond the boundary
+        normal = -normal;
+        separation = -distance;
+      }
+    }
+    add(guest, host, guest_is_a, v, on_host, normal, separation);
+    new_sides_.push_back({feature, host.local_direction(normal).cast<float>()});
+  }
+
+  /// True if points that `direction` leads to have the vertex as their nearest feature.
+  static bool in_vertex_region(const ContactBody& body, const ContactVertex& v, const Vector& direction) {
+    bool in = true;
+    visit_around(*body.features, v.side / 3, v.side % 3, [&](std::int32_t t) {
+      for (int k = 0; k < 3; ++k) {
+        const Vector along = body.position(t, k) - v.position;
+        in = in && along.dot(direction) <= region_slack * along.norm();
+      }
+    });
+    return in;
+  }
+
+  /// Of features that touch, the normal of the two faces that face each other most; false if none do.
+  static bool facing_faces(const ContactBody& guest, const ContactVertex& v, const ContactBody& host,
+                           const SurfacePoint& point, Vector& normal) {
+    double least = facing_cosine;
+    const auto compare = [&](std::int32_t on_host) {
+      const Vector up = unit_normal(host.triangle(on_host));
+      visit_around(*guest.features, v.side / 3, v.side % 3, [&](std::int32_t on_guest) {
+        const double cosine = up.dot(unit_normal(guest.triangle(on_guest)));
+        if (cosine >= least) return;
+        least = cosine;
+        normal = up;
+      });
+    };
+    if (point.kind == SurfacePoint::Kind::vertex) {
+      visit_around(*host.features, point.triangle, point.corner, compare);
+    } else {
+      compare(point.triangle);
+      const std::int32_t twin = host.features->twin[static_cast<std::size_t>(3 * point.triangle + point.corner)];
+      if (point.kind == SurfacePoint::Kind::edge && twin >= 0) compare(twin / 3);
+    }
+    return least < facing_cosine;
+  }
+
+  const Vector* side_before(std::uint64_t feature) {
+    const auto found = std::lower_bound(sides_.begin(), sides_.end(), feature,
+                                        [](const ContactSide& side, std::uint64_t f) { return side.feature < f; });
+    if (found == sides_.end() || found->feature != feature) return nullptr;
+    before_ = found->normal.cast<double>();
+    return &before_;
+  }
+
+  /// A vertex inside: the way out is the nearest face that faces the vertex, the patch it belongs to, and the side by
+  /// which it was pushed out before.
+  void inside(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
+              const ContactScratch::Located& located) {
+    const Vector p = host.inverse(v.position);
+    SurfacePoint out;
+    const auto search = [&](const Vector& against, double most) {
+      SurfacePoint found;
+      const NormalFilter filter{host.local_direction(against), most};
+      if (!nearest_point(*host.surface, p, std::numeric_limits<double>::infinity(), found, filter)) return false;
+      out = found;
+      return true;
+    };
+    const auto face = [&] { return unit_normal(host.triangle(out.triangle)); };
+    if (v.facing <= limit_ * limit_) {
+      const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(v.facing_triangle, k)); };
+      out = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
+      out.triangle = v.facing_triangle;
+    } else if (v.most_cosine >= 1 || !search(v.normal, facing_cosine)) {
+      out = located.nearest;
+    }
+    if (located.patch >= 0) {
+      const ContactScratch::Patch& patch = s_.patches[static_cast<std::size_t>(located.patch)];
+      const double length = patch.area.norm();
+      if (length > coherent * patch.size) {
+        const Vector way = patch.area / length;
+        if (face().dot(way) > facing_cosine) search(way, facing_cosine);
+      }
+    }
+    const std::uint64_t feature = vertex_feature(guest, host, guest_is_a, v.vertex);
+    if (const Vector* const before = side_before(feature)) {
+      const Vector side = host.direction(*before);
+      if (face().dot(side) < 0) search(-side, facing_cosine);
+    }
+    Vector normal = face();
+    const Vector to_surface = host.map(out.point) - v.position;
+    double depth = to_surface.norm();
+    if (depth > 4 * error_ && to_surface.dot(normal) > 0.9 * depth) {
+      normal = to_surface / depth;
+    } else {
+      depth = std::max(0.0, to_surface.dot(normal));
+    }
+    add(guest, host, guest_is_a, v, v.position + depth * normal, normal, -depth);
+    new_sides_.push_back({feature, host.local_direction(normal).cast<float>()});
+  }
+
+  /// A round body touches all features of the host in whose regions its vertices are.
+  void local_minima(ContactBody& guest, const ContactLeaf& leaf, const ContactBody& host, const ContactLeaf& other,
+                    bool guest_is_a) {
+    for (const ContactVertex& v : vertices(guest, leaf)) {
+      for (int i = 0; i < other.count; ++i) {
+        const std::int32_t t = other.triangle[static_cast<std::size_t>(i)];
+        const TriangleD triangle = host.triangle(t);
+        SurfacePoint point = nearest_in_triangle(v.position, triangle);
+        point.triangle = t;
+        if (!(point.distance <= limit_) || point.distance <= 4 * error_) continue;
+        const Vector normal = (v.position - point.point) / point.distance;
+        if (!host_feature_holds(host, point, normal)) continue;
+        add(guest, host, guest_is_a, v, point.point, normal, point.distance);
+        // The same vertex may touch several features.
+        s_.candidates.back().feature |= static_cast<std::uint64_t>((t + 1) & 0x3fffff) << 32;
+      }
+    }
+  }
+
+  /// True if the triangle is the first that has the feature, and the direction stays in the feature's region.
+  static bool host_feature_holds(const ContactBody& host, const SurfacePoint& point, const Vector& direction) {
+    const auto corner = static_cast<unsigned>(point.corner);
+    const unsigned owned = host.surface->owned[static_cast<std::size_t>(point.triangle)];
+    switch (point.kind) {
+      case SurfacePoint::Kind::face:
+        return !host.solid || unit_normal(host.triangle(point.triangle)).dot(direction) > 0;
+      case SurfacePoint::Kind::edge: {
+        if ((owned >> (3 + corner) & 1U) == 0) return false;
+        const std::int32_t twin = host.features->twin[static_cast<std::size_t>(3 * point.triangle + point.corner)];
+        if (twin < 0) return true;
+        const Vector n = unit_normal(host.triangle(twin / 3));
+        const Vector along = host.position(twin / 3, (twin % 3 + 1) % 3) - host.position(twin / 3, twin % 3);
+        if (along.cross(n).normalized().dot(direction) < -region_slack) return false;
+        return !host.solid || host.normal(point).dot(direction) > 0;
+      }
+      case SurfacePoint::Kind::vertex: break;
+    }
+    if ((owned >> corner & 1U) == 0) return false;
+    ContactVertex v;
+    v.position = host.position(point.triangle, point.corner);
+    v.side = 3 * point.triangle + point.corner;
+    return in_vertex_region(host, v, direction) && (!host.solid || host.normal(point).dot(direction) > 0);
+  }
+
+  /// Edges that have passed each other count where no vertex has entered beside them: vertices tell the depth better,
+  /// and do not change as often.
+  void add_crossings(std::size_t first) {
+    const std::size_t end = s_.candidates.size();
+    for (const ContactScratch::Crossing& crossing : s_.crossings) {
+      const ContactCandidate& c = crossing.contact;
+      const double reach = std::max(length_of(s_.a, crossing.edge_a), length_of(s_.b, crossing.edge_b));
+      const bool told =
+          std::any_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first),
+                      s_.candidates.begin() + static_cast<std::ptrdiff_t>(end), [&](const ContactCandidate& other) {
+                        return (other.feature >> 63) == 0 && other.separation < 0.5 * reach &&
+                               other.normal.dot(c.normal) > 0.5 && (other.point_a - c.point_a).norm() < reach;
+                      });
+      if (!told) s_.candidates.push_back(c);
+    }
+  }
+  static double length_of(const ContactBody& body, std::int32_t side) {
+    return (body.position(side / 3, (side % 3 + 1) % 3) - body.position(side / 3, side % 3)).norm();
+  }
+
+  /// Pairs that touch in a way that no rule above expects get one contact of two triangles that touch.
+  void last_resort() {
+    for (const ContactScratch::LeafPair& pair : s_.leaf_pairs) {
+      const ContactLeaf &a = s_.a.leaves[static_cast<std::size_t>(pair.a)],
+                        &b = s_.b.leaves[static_cast<std::size_t>(pair.b)];
+      for (int i = 0; i < a.count; ++i) {
+        for (int j = 0; j < b.count; ++j) {
+          const std::int32_t ta = a.triangle[static_cast<std::size_t>(i)], tb = b.triangle[static_cast<std::size_t>(j)];
+          const TriangleD on_a = s_.a.triangle(ta), on_b = s_.b.triangle(tb);
+          const TriangleDistance found = triangle_distance(on_a, on_b, error_);
+          if (!(found.lower <= limit_)) continue;
+          ContactCandidate c;
+          c.point_a = found.point_a;
+          c.point_b = found.point_b;
+          const Vector apart = found.point_a - found.point_b;
+          c.separation = apart.norm();
+          if (c.separation > 4 * error_) {
+            c.normal = apart / c.separation;
+          } else {
+            c.normal = (unit_normal(on_b) - unit_normal(on_a)).stableNormalized();
+            if (c.normal.isZero()) c.normal = unit_normal(on_b);
+            if (c.normal.isZero()) c.normal = Vector::UnitZ();
+          }
+          c.feature = std::uint64_t{3} << 62 | static_cast<std::uint64_t>(s_.a.first_triangle + ta) << 31 |
+                      static_cast<std::uint64_t>(s_.b.first_triangle + tb);
+          if (s_.candidates.empty() || s_.candidates.back().feature >> 62 != 3 ||
+              c.separation < s_.candidates.back().separation) {
+            if (!s_.candidates.empty() && s_.candidates.back().feature >> 62 == 3) s_.candidates.pop_back();
+            s_.candidates.push_back(c);
+          }
+        }
+      }
+    }
+  }
+
+  ContactScratch& s_;
+  const double limit_, error_;
+  const std::span<const ContactSide> sides_;
+  std::vector<ContactSide>& new_sides_;
+  Vector before_;
+};
+
+}  // namespace
+
+void ContactBody::place(const MovingPart& moving, const AffineMap& to_common, std::int32_t number) {
+  surface = &moving.shape->fine;
+  features = &moving.shape->features();
+  scale = moving.motion.scale;
+  map = to_common;
+  inverse.linear = map.linear.inverse();
+  inverse.offset = -(inverse.linear * map.offset);
+  solid = interior(*moving.shape) == Interior::enclosed;
+  round = surface->mesh.triangles.size() == 1 && unit_normal(triangle(0)).isZero();
+  first_vertex = moving.first_vertex;
+  first_triangle = moving.first_triangle;
+  part = number;
+}
+
+std::int32_t ContactBody::add_vertex(std::int32_t t, int corner) {
+  const std::int32_t v = vertex_number(t, corner);
+  ContactVertex entry;
+  entry.position = map(surface->vertex(v));
+  entry.normal =
+      solid ? direction(features->vertex_normal[static_cast<std::size_t>(v)].cast<double>()) : Vector::Zero();
+  entry.most_cosine = entry.normal.isZero() ? 2 : facing_cosine;
+  entry.vertex = v;
+  entry.side = 3 * t + corner;
+  vertices.push_back(entry);
+  return static_cast<std::int32_t>(vertices.size()) - 1;
+}
+
+std::int32_t ContactBody::vertex(std::int32_t t, int corner) {
+  std::int32_t& index = vertex_index[vertex_number(t, corner)];
+  if (index < 0) index = add_vertex(t, corner);
+  return index;
+}
+
+void ContactBody::add_edges(std::int32_t t, unsigned owned) {
+  if ((owned >> 3 & 7U) == 0) return;
+  const TriangleD own = triangle(t);
+  const Vector normal = unit_normal(own);
+  for (int k = 0; k < 3; ++k) {
+    if ((owned >> (3 + k) & 1U) == 0) continue;
+    ContactEdge edge;
+    edge.start = own[static_cast<std::size_t>(k)];
+    edge.along = own[static_cast<std::size_t>((k + 1) % 3)] - edge.start;
+    edge.length = edge.along.norm();
+    if (!(edge.length > 0)) continue;
+    edge.side = 3 * t + k;
+    edge.out[0] = edge.along.cross(normal) / edge.length;
+    edge.out[1].setZero();
+    const std::int32_t twin = features->twin[static_cast<std::size_t>(edge.side)];
+    if (twin >= 0) {
+      const Vector other = unit_normal(triangle(twin / 3));
+      const double bend = other.dot(edge.out[0]);
+      if (solid ? bend <= flat_edge : std::abs(bend) <= flat_edge) continue;
+      edge.out[1] = -edge.along.cross(other) / edge.length;
+    }
+    edges.push_back(edge);
+  }
+}
+
+std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
+  std::int32_t& index = leaf_index[first];
+  if (index >= 0) return index;
+  index = static_cast<std::int32_t>(leaves.size());
+  leaves.emplace_back();
+  ContactLeaf& leaf = leaves.back();
+  leaf.count = count;
+  leaf.first_vertex = static_cast<std::int32_t>(vertices.size());
+  leaf.first_edge = static_cast<std::int32_t>(edges.size());
+  for (int lane = 0; lane < ContactLeaf::width; ++lane) {
+    const std::int32_t t = surface->tree.leaves[static_cast<std::size_t>(first + std::min(lane, count - 1))].triangle;
+    leaf.set(lane, t, triangle(t));
+    if (lane >= count) continue;
+    const unsigned owned = surface->owned[static_cast<std::size_t>(t)];
+    for (int k = 0; k < 3; ++k) {
+      if ((owned >> k & 1U) == 0) continue;
+      vertex_index[vertex_number(t, k)] = add_vertex(t, k);
+      ++leaf.vertex_count;
+    }
+    add_edges(t, owned);
+  }
+  leaf.edge_count = static_cast<std::int32_t>(edges.size()) - leaf.first_edge;
+  return static_cast<std::int32_t>(leaves.size()) - 1;
+}
+
+void find_contacts(ContactScratch& scratch, double limit, double error, std::span<const ContactSide> sides,
+                   std::vector<ContactSide>& new_sides) {
+  Search(scratch, limit, error, sides, new_sides).run();
+}
+
+}  // namespace encage

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "broadphase/contact/contact_leaf.h"
+#include "broadphase/contact/index_map.h"
+#include "broadphase/contact/nearest_point.h"
+#include "broadphase/shape/compound.h"
+
+#include <vector>
+
+namespace encage {
+
+/// A possible contact, in the common frame of a pair of parts.
+struct ContactCandidate {
+  Eigen::Vector3d point_a, point_b, normal;
+  double separation;
+  std::uint64_t feature;
+};
+
+/// The side of a body on which a vertex of the other one entered it.
+struct ContactSide {
+  std::uint64_t feature;
+  Eigen::Vector3f normal;  ///< of the body that was entered, outward, in its local frame
+};
+
+/// An edge that can meet another edge, in the common frame.
+struct ContactEdge {
+  Eigen::Vector3d start, along;
+  /// In the plane of each of its triangles, out of the triangle, unit length; 0 if there is no triangle. Directions of
+  /// non-negative products with both, at right angles to the edge, lead to points whose nearest feature is the edge.
+  std::array<Eigen::Vector3d, 2> out;
+  double length;
+  std::int32_t side;  ///< 3 t + k
+};
+
+/// One body of a pair while contacts are searched. It keeps its memory from query to query.
+struct ContactBody {
+  const Surface* surface = nullptr;
+  const SurfaceFeatures* features = nullptr;
+  AffineMap map, inverse;  ///< from the local frame to the common one, scale included, and back
+  double scale = 1;
+  bool solid = true;   ///< otherwise the body is its surface alone, and contacts are two-sided
+  bool round = false;  ///< of degenerate triangles only: the core of a sphere or a capsule
+  std::int32_t first_vertex = 0, first_triangle = 0, part = 0;
+
+  IndexMap leaf_index, vertex_index;
+  std::vector<ContactLeaf> leaves;
+  std::vector<ContactVertex> vertices;
+  std::vector<ContactEdge> edges;
+
+  void place(const MovingPart& moving, const AffineMap& to_common, std::int32_t number);
+
+  /// Returns the index in `leaves` of a leaf of the tree.
+  std::int32_t leaf(std::int32_t first, std::int32_t count);
+  /// Returns the index in `vertices` of a corner of a triangle.
+  std::int32_t vertex(std::int32_t triangle, int corner);
+
+  std::int32_t vertex_number(std::int32_t triangle, int corner) const {
+    return static_cast<std::int32_t>(
+        surface->mesh.triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(corner)]);
+  }
+  Eigen::Vector3d position(std::int32_t triangle, int corner) const {
+    return map(surface->vertex(vertex_number(triangle, corner)));
+  }
+  TriangleD triangle(std::int32_t t) const { return {position(t, 0), position(t, 1), position(t, 2)}; }
+  /// Turns a direction of the local frame.
+  Eigen::Vector3d direction(const Eigen::Vector3d& local) const { return map.linear * local / scale; }
+  Eigen::Vector3d local_direction(const Eigen::Vector3d& common) const {
+    return map.linear.transpose() * common / scale;
+  }
+  Eigen::Vector3d normal(const SurfacePoint& point) const {
+    return direction(feature_normal(*surface, *features, point));
+  }
+
+ private:
+  std::int32_t add_vertex(std::int32_t triangle, int corner);
+  void add_edges(std::int32_t triangle, unsigned owned);
+};
+
+/// Working memory of contact_manifold(), of one thread.
+struct ContactScratch {
+  ContactBody a, b;
+  struct LeafPair {
+    std::int32_t a, b;
+  };
+  std::vector<LeafPair> leaf_pairs;
+  std::vector<ContactCandidate> candidates;  ///< result
+  struct Crossing {
+    ContactCandidate contact;
+    std::int32_t edge_a, edge_b;
+  };
+  std::vector<Crossing> crossings;  ///< edges that have passed each other
+  enum class Where : std::uint8_t { unknown, outside, inside };
+  struct Located {
+    Where where = Where::unknown;
+    std::int32_t patch = -1;
+    SurfacePoint nearest;  ///< in the host's local frame; of vertices that are located
+  };
+  std::vector<Located> located;
+  std::vector<std::int32_t> queue;
+  struct Patch {
+    Eigen::Vector3d area = Eigen::Vector3d::Zero();  ///< sum of the vectors of its vertices' areas
+    double size = 0;                                 ///< sum of their lengths
+  };
+  std::vector<Patch> patches;
+};
+
+/// Fills in scratch.candidates for the parts placed in scratch.a and scratch.b, up to a separation of `limit`, with
+/// points on the meshes. `sides` are those of the query before, sorted by feature; the sides of this one are appended
+/// to `new_sides`, in no order. Positions are off by up to `error`.
+void find_contacts(ContactScratch& scratch, double limit, double error, std::span<const ContactSide> sides,
+                   std::vector<ContactSide>& new_sides);
+
+}  // namespace encage

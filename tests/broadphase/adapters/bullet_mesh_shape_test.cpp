@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/broadphase/adapters/bullet_mesh_world.h"
+#include "tests/broadphase/adapters/bullet_world.h"
+
+#include <encage/asset.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <random>
+#include <set>
+#include <string>
+
+namespace encage::test {
+namespace {
+
+using shapes::box;
+using shapes::cube;
+
+Eigen::Vector3d numbers(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+std::string error_of(const auto& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(BulletMeshShape, HasTheInertiaOfABox) {
+  const auto shape = mesh_shape(box({1, 2, 3}, {3, 5, 7}));
+  const MassProperties mass = shape->mass_properties();
+  EXPECT_NEAR(mass.mass, 24, 1e-12);
+  EXPECT_LT((mass.centre - Eigen::Vector3d(2, 3.5, 5)).norm(), 1e-12);
+  btVector3 inertia;
+  shape->calculateLocalInertia(12, inertia);
+  EXPECT_LT((numbers(inertia) - Eigen::Vector3d(9 + 16, 4 + 16, 4 + 9)).norm(), 1e-5);
+}
+
+TEST(BulletMeshShape, ScalesItsMassProperties) {
+  const auto shape = mesh_shape(shapes::tetrahedron(1));
+  shape->setLocalScaling({2, 2, 2});
+  const MassProperties mass = shape->mass_properties();
+  EXPECT_NEAR(mass.mass, 8.0 / 6, 1e-12);
+  EXPECT_LT((mass.centre - Eigen::Vector3d::Constant(0.5)).norm(), 1e-12);
+  EXPECT_NEAR(mass.inertia(0, 0), 32.0 / 80, 1e-12);
+  EXPECT_NEAR(mass.inertia(0, 1), 32.0 / 480, 1e-12);
+  EXPECT_NEAR(mass.moments[2], 32 * (1.0 / 80 + 2.0 / 480), 1e-12);
+  btVector3 inertia;
+  shape->calculateLocalInertia(1, inertia);
+  EXPECT_NEAR(inertia.x(), 32.0 / 80 / (8.0 / 6), 1e-6);
+}
+
+TEST(BulletMeshShape, LiesInItsPrincipalFrameOnRequest) {
+  const ShapePtr asset = make_shape(box({1, 2, 3}, {3, 5, 7}));
+  BulletMeshShape shape(asset, {.frame = BulletFrame::principal, .reach = 0});
+  EXPECT_LT((shape.asset_to_body() * Eigen::Vector3d(2, 3.5, 5)).norm(), 1e-12);
+  btVector3 inertia, low, high;
+  shape.calculateLocalInertia(12, inertia);
+  EXPECT_LT((numbers(inertia) - Eigen::Vector3d(13, 20, 25)).norm(), 1e-5);  // ascending
+  shape.getAabb(btTransform::getIdentity(), low, high);
+  EXPECT_LT((numbers(high) - Eigen::Vector3d(2, 1.5, 1)).norm(), 1e-4);
+  EXPECT_LT((numbers(low) + Eigen::Vector3d(2, 1.5, 1)).norm(), 1e-4);
+  EXPECT_NEAR(shape.radius(), std::sqrt(4 + 2.25 + 1), 1e-12);
+}
+
+TEST(BulletMeshShape, TakesTheInertiaOfItsBoxWhereItEnclosesNothing) {
+  TriangleMesh open = cube(1);
+  open.triangles.conservativeResize(11, 3);
+  const auto shape = mesh_shape(open);
+  btVector3 inertia;
+  shape->calculateLocalInertia(3, inertia);
+  EXPECT_LT((numbers(inertia) - Eigen::Vector3d(2, 2, 2)).norm(), 1e-6);
+  EXPECT_NE(error_of([&] { shape->mass_properties(); }).find("encloses no volume"), std::string::npos);
+  EXPECT_THROW(BulletMeshShape(shape->shape(), {.frame = BulletFrame::principal}), Error);
+}
+
+TEST(BulletMeshShape, HasATightBoxInEveryPose) {
+  const TriangleMesh mesh = shapes::torus(2, 0.5, 24, 12);
+  const auto shape = mesh_shape(mesh);
+  shape->setLocalScaling({3, 3, 3});
+  shape->setMargin(0.25F);
+  std::minstd_rand random(1);
+  std::uniform_real_distribution<float> number(-1, 1);
+  for (int i = 0; i < 100; ++i) {
+    btQuaternion turn(number(random), number(random), number(random), number(random));
+    const btTransform at(turn.normalized(), {number(random), number(random), number(random)});
+    btVector3 low, high;
+    shape->getAabb(at, low, high);
+    Eigen::AlignedBox3d exact;
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+      const Eigen::Vector3d x = 3 * mesh.vertices.row(v).transpose();
+      exact.extend(
+          numbers(at * btVector3(static_cast<float>(x.x()), static_cast<float>(x.y()), static_cast<float>(x.z()))));
+    }
+    EXPECT_LT((numbers(low) - exact.min()).maxCoeff(), -0.25 - 0.02 * 7.5 + 1e-5);
+    EXPECT_GT((numbers(high) - exact.max()).minCoeff(), 0.25 + 0.02 * 7.5 - 1e-5);
+    EXPECT_LT((exact.min() - numbers(low)).maxCoeff(), 1.5);  // of a body of radius 7.5
+    EXPECT_LT((numbers(high) - exact.max()).maxCoeff(), 1.5);
+  }
+}
+
+TEST(BulletMeshShape, RefusesWhatItCannotBe) {
+  EXPECT_NE(error_of([] { BulletMeshShape shape(nullptr); }).find("null"), std::string::npos);
+  EXPECT_THROW(BulletMeshShape(make_shape(cube(1)), {.reach = -1}), Error);
+  const auto shape = mesh_shape(cube(1));
+  EXPECT_NE(error_of([&] { shape->setLocalScaling({1, 1, 2}); }).find("(1 1 2)"), std::string::npos);
+  EXPECT_THROW(shape->setLocalScaling({0, 0, 0}), Error);
+  EXPECT_THROW(shape->setLocalScaling({-1, -1, -1}), Error);
+  EXPECT_EQ(shape->getLocalScaling(), btVector3(1, 1, 1));
+  CageHierarchy cages = body_named("torus").sample.hierarchy;
+  cages.fine = {};
+  cages.cap_count = 0;
+  const ShapePtr without = make_shape(cages);
+  EXPECT_NE(error_of([&] { BulletMeshShape s(without); }).find("no fine mesh"), std::string::npos);
+  const std::array<CompoundPart, 2> parts = {CompoundPart{make_shape(cube(1))}, CompoundPart{without}};
+  EXPECT_NE(error_of([&] { BulletMeshShape s(make_compound(parts)); }).find("part 1"), std::string::npos);
+}
+
+TEST(BulletMeshShape, IsMadeOnlyFromTheAssetOfTheMesh) {
+  const std::string file = ENCAGE_TEST_DATA "/asset_v1.glb";
+  const CageHierarchy asset = read_asset(file);
+  TriangleMesh source = asset.fine;
+  source.vertices.rowwise() += asset.origin.transpose();
+  source.triangles.conservativeResize(source.triangles.rows() - asset.cap_count, 3);
+  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> vertices = source.vertices.cast<float>();
+  btTriangleIndexVertexArray arrays(static_cast<int>(source.triangles.rows()), source.triangles.data(), 12,
+                                    static_cast<int>(vertices.rows()), const_cast<float*>(vertices.data()), 12);
+  EXPECT_EQ(error_of([&] { BulletMeshShape shape(file, source); }), "");
+  EXPECT_EQ(error_of([&] { BulletMeshShape shape(file, arrays); }), "");
+  const std::string refusal = error_of([&] { BulletMeshShape shape(file, cube(1)); });
+  EXPECT_NE(refusal.find(file), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("was not baked from this mesh"), std::string::npos) << refusal;
+}
+
+/// The triangles that a callback gets.
+struct Collected : btTriangleCallback {
+  void processTriangle(btVector3* triangle, int part, int index) override {
+    EXPECT_EQ(part, 0);
+    EXPECT_TRUE(indices.insert(index).second);
+    corners.push_back({triangle[0], triangle[1], triangle[2]});
+  }
+  std::set<int> indices;
+  std::vector<std::array<btVector3, 3>> corners;
+};
+
+TEST(BulletMeshShape, PassesTheTrianglesNearABox) {
+  const TriangleMesh mesh = shapes::torus(2, 0.5, 40, 20);
+  const auto shape = mesh_shape(mesh);
+  Collected all, some;
+  shape->processAllTriangles(&all, btVector3(-1e18F, -1e18F, -1e18F), btVector3(1e18F, 1e18F, 1e18F));
+  EXPECT_EQ(all.indices.size(), static_cast<std::size_t>(mesh.triangles.rows()));
+  const btVector3 low(1, 1, -1), high(2, 2, 0);
+  shape->processAllTriangles(&some, low, high);
+  EXPECT_LT(some.indices.size(), all.indices.size() / 4);
+  for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+    Eigen::AlignedBox3d bounds;
+    for (int k = 0; k < 3; ++k) bounds.extend(mesh.corner(t, k));
+    if (!bounds.intersects(Eigen::AlignedBox3d(numbers(low), numbers(high)))) continue;
+    EXPECT_TRUE(some.indices.count(static_cast<int>(t))) << t;
+  }
+}
+
+TEST(BulletMeshShape, IsHitByRaysWhereItsTrianglesAre) {
+  const TriangleMesh mesh = shapes::sphere(4);
+  MeshWorld w;
+  auto& shape = w.keep(mesh_shape(mesh));
+  shape.setLocalScaling({2, 2, 2});
+  w.add(shape, {5, 0, 0}, 0);
+  std::minstd_rand random(3);
+  std::uniform_real_distribution<float> number(-1, 1);
+  for (int i = 0; i < 500; ++i) {
+    const btVector3 inside(5 + 0.4F * number(random), 0.4F * number(random), 0.4F * number(random));
+    const btVector3 outside = inside + 9 * btVector3(number(random), number(random), number(random)).normalized();
+    btCollisionWorld::ClosestRayResultCallback hit(outside, inside);
+    w.world.rayTest(outside, inside, hit);
+    ASSERT_TRUE(hit.hasHit());
+    // Between the circles in and around the triangles; the normal faces the ray.
+    const double distance = numbers(hit.m_hitPointWorld - btVector3(5, 0, 0)).norm();
+    EXPECT_LE(distance, 2 + 1e-4);
+    EXPECT_GE(distance, 2 * 0.99);
+    EXPECT_GT(hit.m_hitNormalWorld.dot((hit.m_hitPointWorld - btVector3(5, 0, 0)).normalized()), 0.98F);
+    btCollisionWorld::ClosestRayResultCallback miss(outside, outside + (outside - inside));
+    w.world.rayTest(outside, outside + (outside - inside), miss);
+    EXPECT_FALSE(miss.hasHit());
+  }
+}
+
+TEST(BulletMeshShape, TellsTheTriangleThatARayHits) {
+  const TriangleMesh a = cube(1), b = shapes::tetrahedron(1);
+  const std::array<CompoundPart, 2> parts = {
+      CompoundPart{make_shape(a)}, CompoundPart{make_shape(b), Eigen::Isometry3d(Eigen::Translation3d(10, 0, 0)), 3}};
+  MeshWorld w;
+  w.add(w.keep(std::make_unique<BulletMeshShape>(make_compound(parts))), {0, 0, 0}, 0);
+  struct Closest : btCollisionWorld::ClosestRayResultCallback {
+    using ClosestRayResultCallback::ClosestRayResultCallback;
+    btScalar addSingleResult(btCollisionWorld::LocalRayResult& result, bool world) override {
+      triangle = result.m_localShapeInfo->m_triangleIndex;
+      return ClosestRayResultCallback::addSingleResult(result, world);
+    }
+    int triangle = -1;
+  };
+  const btVector3 from(10.5F, 0.6F, 9), to(10.5F, 0.6F, -9);
+  Closest up(to, from), down(from, to);
+  w.world.rayTest(to, from, up);
+  EXPECT_EQ(up.triangle, 12);  // the first of the second part, in the plane z = 0
+  EXPECT_NEAR(up.m_hitPointWorld.z(), 0, 1e-5);
+  w.world.rayTest(from, to, down);
+  EXPECT_EQ(down.triangle, 14);  // x + y + z = 3
+  EXPECT_NEAR(down.m_hitPointWorld.z(), 3 - 0.5 - 0.6, 1e-5);
+}
+
+}  // namespace
+}  // namespace encage::test
