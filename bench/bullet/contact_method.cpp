@@ -3,6 +3,7 @@
 
 #include "bench/common/report.h"
 
+#include <encage/bullet_mesh.h>
 #include <encage/error.h>
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
@@ -12,6 +13,31 @@
 
 namespace encage::bullet_bench {
 namespace {
+
+class EncageMesh : public MethodShape {
+ public:
+  explicit EncageMesh(const TriangleMesh& mesh) : shape_(encage::make_shape(mesh)) {}
+  btCollisionShape& shape() override { return shape_; }
+
+ private:
+  BulletMeshShape shape_;
+};
+
+class EncageMethod : public ContactMethod {
+ public:
+  std::string name() const override { return "encage"; }
+  std::string description() const override {
+    const BulletMeshOptions options;
+    return bench::format("BulletMeshShape and BulletMeshContacts, skin %g, speculation up to %g of the radius",
+                         options.skin, options.most_speculation);
+  }
+  std::unique_ptr<MethodShape> make_shape(const SceneBodyModel& body) const override {
+    return std::make_unique<EncageMesh>(body.mesh);
+  }
+  std::shared_ptr<void> attach(btCollisionDispatcher& dispatcher) const override {
+    return std::make_shared<BulletMeshContacts>(dispatcher);
+  }
+};
 
 class GImpactMesh : public MethodShape {
  public:
@@ -56,15 +82,16 @@ class GImpactMethod : public ContactMethod {
 
 }  // namespace
 
-std::vector<std::string> all_method_names() { return {"gimpact", "gimpact_1mm", "hulls"}; }
+std::vector<std::string> all_method_names() { return {"encage", "gimpact", "gimpact_1mm", "hulls"}; }
 
 std::vector<std::string> method_names() {
-  std::vector<std::string> names = {"gimpact", "gimpact_1mm"};
+  std::vector<std::string> names = {"encage", "gimpact", "gimpact_1mm"};
   if (make_hull_method()) names.emplace_back("hulls");
   return names;
 }
 
 std::unique_ptr<ContactMethod> make_contact_method(const std::string& name) {
+  if (name == "encage") return std::make_unique<EncageMethod>();
   if (name == "gimpact") return std::make_unique<GImpactMethod>(name, 0);
   if (name == "gimpact_1mm") return std::make_unique<GImpactMethod>(name, 1e-3);
   if (name == "hulls") {

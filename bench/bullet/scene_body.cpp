@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/bullet/scene_body.h"
 
-#include "bench/tank/mass.h"
+#include <encage/mass_properties.h>
 
 namespace encage::bullet_bench {
 namespace {
@@ -13,7 +13,7 @@ constexpr double negligible_product = 1e-6;
 }  // namespace
 
 SceneBodyModel::SceneBodyModel(const TriangleMesh& given) : mesh(given), frame(Eigen::Isometry3d::Identity()) {
-  const tank::MassProperties mass = tank::mass_properties(given);
+  const MassProperties mass = mass_properties(given);
   const Eigen::Matrix3d inertia = mass.inertia / mass.mass;
   Eigen::Matrix3d products = inertia;
   products.diagonal().setZero();
