@@ -14,6 +14,31 @@
 namespace encage::bullet_bench {
 namespace {
 
+class EncageMesh : public MethodShape {
+ public:
+  explicit EncageMesh(const TriangleMesh& mesh) : shape_(encage::make_shape(mesh)) {}
+  btCollisionShape& shape() override { return shape_; }
+
+ private:
+  BulletMeshShape shape_;
+};
+
+class EncageMethod : public ContactMethod {
+ public:
+  std::string name() const override { return "encage"; }
+  std::string description() const override {
+    const BulletMeshOptions options;
+    return bench::format("BulletMeshShape and BulletMeshContacts, skin %g, speculation up to %g of the radius",
+                         options.skin, options.most_speculation);
+  }
+  std::unique_ptr<MethodShape> make_shape(const SceneBodyModel& body) const override {
+    return std::make_unique<EncageMesh>(body.mesh);
+  }
+  std::shared_ptr<void> attach(btCollisionDispatcher& dispatcher) const override {
+    return std::make_shared<BulletMeshContacts>(dispatcher);
+  }
+};
+
 class GImpactMesh : public MethodShape {
  public:
   GImpactMesh(const TriangleMesh& mesh, double margin)

@@ -89,10 +89,15 @@ void print(std::ostream& out, const SceneResult& result) {
     }
     for (const nlohmann::ordered_json& details : method.details) {
       if (details.is_null()) continue;
-      const nlohmann::ordered_json& error = details["surface_error_percent"];
+      const auto spread = [&](const char* key) {
+        const nlohmann::ordered_json& figures = details[key];
+        return bench::format("%.2f / %.2f / %.2f", figures["mean"].get<double>(), figures["p95"].get<double>(),
+                             figures["max"].get<double>());
+      };
       out << method.method << ": " << details["hulls"] << " hulls of " << details["triangles"]
-          << bench::format(" triangles, surface off by mean %.2f, 95 %% %.2f, max %.2f %% of the radius\n",
-                           error["mean"].get<double>(), error["p95"].get<double>(), error["max"].get<double>());
+          << " triangles; mean / 95 % / max in % of the radius: surface outside the body's by "
+          << spread("outside_percent") << ", vertices of the body outside all hulls by " << spread("uncovered_percent")
+          << '\n';
     }
   }
 }

@@ -38,9 +38,9 @@ std::uint64_t vertex_feature(const ContactBody& guest, const ContactBody& host, 
 
 class Search {
  public:
-  Search(ContactScratch& scratch, double limit, double error, std::span<const ContactSide> sides,
-         std::vector<ContactSide>& new_sides)
-      : s_(scratch), limit_(limit), error_(error), sides_(sides), new_sides_(new_sides) {}
+  Search(ContactScratch& scratch, const PairMotion& motion, double limit, double error,
+         std::span<const ContactSide> sides, std::vector<ContactSide>& new_sides)
+      : s_(scratch), motion_(motion), limit_(limit), error_(error), sides_(sides), new_sides_(new_sides) {}
 
   void run() {
     s_.leaf_pairs.clear();
@@ -52,13 +52,8 @@ class Search {
       body->vertices.clear();
       body->edges.clear();
     }
-    PairMotion motion;
-    motion.at_rest = true;
-    // The maps of the gate are without the scales.
-    motion.a.fill({s_.a.map.linear / s_.a.scale, s_.a.map.offset});
-    motion.b.fill({s_.b.map.linear / s_.b.scale, s_.b.map.offset});
     const Surface &a = *s_.a.surface, &b = *s_.b.surface;
-    const BoxGate gate(motion, {a.radius, a.tree.grid, s_.a.scale}, {b.radius, b.tree.grid, s_.b.scale},
+    const BoxGate gate(motion_, {a.radius, a.tree.grid, s_.a.scale}, {b.radius, b.tree.grid, s_.b.scale},
                        limit_ + error_);
     visit_leaf_pairs(
         a.tree, b.tree, gate,
@@ -123,7 +118,7 @@ class Search {
     c.point_b = on_b;
     c.normal = n;
     c.separation = n.dot(apart);
-    if (!(c.separation <= limit_)) return;
+    if (c.separation > limit_ && !(c.separation <= reach(s_.a.displacement(on_a), n))) return;
     c.feature = std::uint64_t{2} << 62 | static_cast<std::uint64_t>(3 * s_.a.first_triangle + a.side) << 31 |
                 static_cast<std::uint64_t>(3 * s_.b.first_triangle + b.side);
     if (c.separation >= 0) {
@@ -135,6 +130,7 @@ class Search {
 
   void add(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
            const Vector& on_host, const Vector& normal, double separation) {
+    if (separation > limit_ && !(separation <= reach(guest.displacement(v.position), normal))) return;
     ContactCandidate c;
     c.point_a = guest_is_a ? v.position : on_host;
     c.point_b = guest_is_a ? on_host : v.position;
@@ -148,10 +144,9 @@ class Search {
   void vertices_of(ContactBody& guest, ContactBody& host, bool guest_is_a) {
     s_.located.clear();
     s_.located.resize(guest.vertices.size());
-    const double limit2 = limit_ * limit_;
     for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
       const ContactVertex& v = guest.vertices[i];
-      if (v.any <= limit2) locate(host, v, v.any_triangle, s_.located[i]);
+      if (reaches(guest, v, v.any)) locate(host, v, v.any_triangle, s_.located[i]);
     }
     if (host.solid) {
       locate_crossing(guest, host, guest_is_a);
@@ -161,7 +156,7 @@ class Search {
       const ContactVertex& v = guest.vertices[i];
       switch (s_.located[i].where) {
         case Where::outside:
-          if (v.any <= limit2) outside(guest, host, guest_is_a, v, s_.located[i].nearest);
+          if (reaches(guest, v, v.any)) outside(guest, host, guest_is_a, v, s_.located[i].nearest);
           break;
         case Where::inside: inside(guest, host, guest_is_a, v, s_.located[i]); break;
         case Where::unknown: break;
@@ -297,7 +292,7 @@ class Search {
       return;
     }
     // The nearest triangle looks away: the one that faces the vertex, if the vertex is above it.
-    if (!(v.facing <= limit_ * limit_)) return;
+    if (!reaches(guest, v, v.facing)) return;
     const TriangleD triangle = host.triangle(v.facing_triangle);
     const SurfacePoint facing = nearest_in_triangle(v.position, triangle);
     const Vector up = v.position - facing.point;
@@ -428,12 +423,14 @@ class Search {
         const TriangleD triangle = host.triangle(t);
         SurfacePoint point = nearest_in_triangle(v.position, triangle);
         point.triangle = t;
-        if (!(point.distance <= limit_) || point.distance <= 4 * error_) continue;
+        if (!reaches(guest, v, point.distance * point.distance) || point.distance <= 4 * error_) continue;
         const Vector normal = (v.position - point.point) / point.distance;
         if (!host_feature_holds(host, point, normal)) continue;
+        const std::size_t count = s_.candidates.size();
         add(guest, host, guest_is_a, v, point.point, normal, point.distance);
         // The same vertex may touch several features.
-        s_.candidates.back().feature |= static_cast<std::uint64_t>((t + 1) & 0x3fffff) << 32;
+        if (s_.candidates.size() > count)
+          s_.candidates.back().feature |= static_cast<std::uint64_t>((t + 1) & 0x3fffff) << 32;
       }
     }
   }
@@ -518,7 +515,19 @@ class Search {
     }
   }
 
+  /// How far apart points may be that are displaced like this towards each other, along the normal.
+  double reach(const Vector& displacement, const Vector& normal) const {
+    return limit_ + std::max(0.0, -displacement.dot(normal));
+  }
+  bool reaches(const ContactBody& guest, const ContactVertex& v, double squared) const {
+    if (squared <= limit_ * limit_) return true;
+    if (motion_.at_rest) return false;
+    const double far = limit_ + guest.displacement(v.position).norm();
+    return squared <= far * far;
+  }
+
   ContactScratch& s_;
+  const PairMotion& motion_;
   const double limit_, error_;
   const std::span<const ContactSide> sides_;
   std::vector<ContactSide>& new_sides_;
@@ -610,9 +619,9 @@ std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
   return static_cast<std::int32_t>(leaves.size()) - 1;
 }
 
-void find_contacts(ContactScratch& scratch, double limit, double error, std::span<const ContactSide> sides,
-                   std::vector<ContactSide>& new_sides) {
-  Search(scratch, limit, error, sides, new_sides).run();
+void find_contacts(ContactScratch& scratch, const PairMotion& motion, double limit, double error,
+                   std::span<const ContactSide> sides, std::vector<ContactSide>& new_sides) {
+  Search(scratch, motion, limit, error, sides, new_sides).run();
 }
 
 }  // namespace encage

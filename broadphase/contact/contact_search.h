@@ -4,6 +4,7 @@
 #include "broadphase/contact/contact_leaf.h"
 #include "broadphase/contact/index_map.h"
 #include "broadphase/contact/nearest_point.h"
+#include "broadphase/motion/pair_motion.h"
 #include "broadphase/shape/compound.h"
 
 #include <vector>
@@ -38,6 +39,7 @@ struct ContactBody {
   const Surface* surface = nullptr;
   const SurfaceFeatures* features = nullptr;
   AffineMap map, inverse;  ///< from the local frame to the common one, scale included, and back
+  AffineMap step;          ///< positions at the start to those at the end, seen from the other body
   double scale = 1;
   bool solid = true;   ///< otherwise the body is its surface alone, and contacts are two-sided
   bool round = false;  ///< of degenerate triangles only: the core of a sphere or a capsule
@@ -49,6 +51,8 @@ struct ContactBody {
   std::vector<ContactEdge> edges;
 
   void place(const MovingPart& moving, const AffineMap& to_common, std::int32_t number);
+  /// Returns how far a point of the body, in the common frame, moves during the step, seen from the other body.
+  Eigen::Vector3d displacement(const Eigen::Vector3d& p) const { return step(p) - p; }
 
   /// Returns the index in `leaves` of a leaf of the tree.
   std::int32_t leaf(std::int32_t first, std::int32_t count);
@@ -105,10 +109,11 @@ struct ContactScratch {
   std::vector<Patch> patches;
 };
 
-/// Fills in scratch.candidates for the parts placed in scratch.a and scratch.b, up to a separation of `limit`, with
-/// points on the meshes. `sides` are those of the query before, sorted by feature; the sides of this one are appended
-/// to `new_sides`, in no order. Positions are off by up to `error`.
-void find_contacts(ContactScratch& scratch, double limit, double error, std::span<const ContactSide> sides,
-                   std::vector<ContactSide>& new_sides);
+/// Fills in scratch.candidates for the parts placed in scratch.a and scratch.b, which move like `motion`: points that
+/// are apart by no more than `limit`, or approach by more than the rest during the step. Points lie on the meshes.
+/// `sides` are those of the query before, sorted by feature; the sides of this one are appended to `new_sides`, in no
+/// order. Positions are off by up to `error`.
+void find_contacts(ContactScratch& scratch, const PairMotion& motion, double limit, double error,
+                   std::span<const ContactSide> sides, std::vector<ContactSide>& new_sides);
 
 }  // namespace encage

@@ -57,8 +57,8 @@ struct BulletMeshShapeOptions {
 /// multiplied by anything), by default 0. setLocalScaling() takes one factor for all axes and throws Error for others.
 ///
 /// Ray tests of btCollisionWorld find the exact triangles, and give their numbers (part 0; those of a compound are
-/// numbered through all its parts). Bullet's own algorithms do not know how to collide the shape: create a
-/// BulletMeshContacts for the dispatcher. Bullet's sweep tests (convexSweepTest) treat the mesh as its triangles.
+/// numbered through all its parts). Contacts need a BulletMeshContacts. Bullet's sweep tests (convexSweepTest) treat
+/// the mesh as its triangles.
 class BulletMeshShape final : public btConcaveShape {
  public:
   /// Throws Error if the shape is null or has no fine mesh, if an option is out of range, or if the mass properties of
@@ -127,25 +127,24 @@ struct BulletMeshOptions {
 /// convex shape, a triangle mesh or a height field, in compounds (btCompoundShape) as well.
 ///
 /// Convex shapes, triangle meshes and height fields become Encage shapes when they first meet a mesh, once for all
-/// pairs: O(n log n). Spheres and capsules stay exact, boxes, hulls and simplexes too; cylinders and cones become
-/// prisms and pyramids of 64 sides, other convex shapes hulls of 2,562 support points. Hulls and simplexes are rounded
-/// by their margins, as Bullet's own algorithms do it, and so are triangle meshes and height fields. The latter two are
+/// pairs: O(n log n). Spheres, capsules, boxes, hulls and simplexes stay exact; cylinders and cones become prisms and
+/// pyramids of 64 sides, other convex shapes hulls of 2,568 support points. Cones, hulls and simplexes are rounded by
+/// their margins, as Bullet's own algorithms do it, and so are triangle meshes and height fields. The latter two are
 /// their surfaces alone: two-sided, with nothing inside. A change of margin or scaling is noticed; call forget() when
 /// anything else of a shape changes, e.g. vertices, and best before it is destroyed, for the contacts keep the
-/// converted shape.
+/// converted shape. A step throws Error for a shape that cannot be converted (a vertex that is not finite).
 ///
 /// Each pair has several manifolds, which hold exactly the points of contact_manifold(); impulses pass from step to
 /// step by the features that touch. gContactAddedCallback and the combination of materials work as with Bullet's
 /// algorithms; part and index are those of the child in a compound, not of triangles. Contact tests (contactTest,
 /// contactPairTest) get their points as from Bullet's algorithms. Time of impact is not computed: use the speculative
-/// reach.
+/// reach. A body whose basis is no rotation has no contacts.
 ///
 /// Create it after other algorithms have been registered and before a BulletMeshShape joins the world, for Bullet's own
 /// algorithms take it for a shape of another class; destroy it when none is left, or after the world, and several
 /// objects that register with one dispatcher in reverse order of creation. The dispatcher must outlive it. Pairs that
 /// exist when it is destroyed keep their algorithms. Dispatch may run on as many threads as Bullet itself allows; call
-/// forget() only while the dispatcher is idle. A step throws Error for a shape that cannot be converted (a vertex that
-/// is not finite).
+/// forget() only while the dispatcher is idle.
 class BulletMeshContacts {
  public:
   /// Throws Error if an option is out of range.

@@ -15,8 +15,8 @@
 namespace ENCAGE_EXPORT encage {
 
 struct ManifoldOptions {
-  /// World units, >= 0. Points of surfaces that are apart by no more than this are reported too (speculative contacts):
-  /// as far as the bodies may approach each other during the step.
+  /// World units, >= 0. Points of surfaces that are apart by no more than this are reported too, so that contacts of
+  /// resting bodies do not come and go.
   double margin = 0;
   /// World units, >= 0, usually 0: each body is its mesh and everything within this distance. A mesh of one degenerate
   /// triangle and a radius is a sphere or a capsule. Points lie on the rounded surfaces.
@@ -52,10 +52,17 @@ class ManifoldCache {
   std::unique_ptr<State> state_;
 };
 
-/// Fills in contact points of two bodies at the start of their motions, and returns how many there are. Points of
-/// features that the step before reported come first, in their order, then new ones, the deepest first. Every pair of
-/// surfaces that are nearer than the margin gets a contact; depths and directions of deep overlap are heuristic
-/// (docs/contacts.md). Re-entrant with different caches. Allocates while the cache grows.
+/// Fills in contact points of two bodies at the start of their motions, and returns how many there are. Surfaces that
+/// come nearer to each other than the margin during the motion get points as well, whose separation tells how far the
+/// bodies may approach (speculative contacts): pass the poses that the velocities lead to as the ends, or none with
+/// Motion::resting(). Points of features that the step before reported come first, in their order, then new ones, the
+/// deepest first. Every pair of surfaces that are nearer than the margin gets a contact; depths and directions of deep
+/// overlap are heuristic (docs/contacts.md).
+///
+/// Meshes that enclose a volume are solid. Contacts of open and hollow ones are those of their surface, two-sided.
+/// Returns 0 if a motion is not usable, a body has no fine mesh, the margin or a radius is negative, or `points` is
+/// empty. Throws Error if the mesh of a ShapeCache cannot be read. The first call with a shape computes its features.
+/// Re-entrant with different caches. Allocates only while the cache or the thread's working memory grows.
 int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                      const ManifoldOptions& options, ManifoldCache& cache, std::span<ManifoldPoint> points);
 

@@ -35,6 +35,8 @@ using CreateFunctions = std::array<std::array<btCollisionAlgorithmCreateFunc*, s
 constexpr int most_manifold_points = 64;
 /// Part of the smaller body's radius within which a point continues one of another feature.
 constexpr double nearness = 0.03;
+/// Radians.
+constexpr double largest_turn = 2;
 
 /// Reads registered functions, for which Bullet has setters only. The members are protected, so a derived class names
 /// them.
@@ -83,7 +85,7 @@ struct Side {
   bool same_place(const Side& other) const {
     return same_shape(other) && radius == other.radius && plane.offset == other.plane.offset &&
            plane.normal == other.plane.normal && motion.scale == other.motion.scale &&
-           motion.start.matrix() == other.motion.start.matrix();
+           motion.start.matrix() == other.motion.start.matrix() && motion.end.matrix() == other.motion.end.matrix();
   }
 };
 
@@ -130,6 +132,23 @@ double approach(const btCollisionObjectWrapper& a, const Side& side_a, const btC
   };
   return dt *
          ((v_a.linear - v_b.linear).norm() + turning(v_a, a, side_a, b, side_b) + turning(v_b, b, side_b, a, side_a));
+}
+
+/// Where the velocity leads a shape within `dt`. Bodies turn about their origins.
+Eigen::Isometry3d moved(const Eigen::Isometry3d& start, const btCollisionObject& object, double dt) {
+  const Velocity v(object, dt);
+  const double angle = v.angular.norm() * dt;
+  const Eigen::Vector3d centre = bullet::to_eigen(object.getWorldTransform().getOrigin());
+  Eigen::Isometry3d end = start;
+  if (angle > 0) {
+    // Queries accept less than half a turn.
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(std::min(angle, largest_turn), v.angular.normalized()).toRotationMatrix();
+    end.linear() = turn * start.linear();
+    end.translation() = centre + turn * (start.translation() - centre);
+  }
+  end.translation() += dt * v.linear;
+  return end;
 }
 
 /// The memory of one pair of shapes.
@@ -364,7 +383,7 @@ void BulletMeshContacts::State::process(MeshPair& pair, btPersistentManifold* sh
     pair.partners = {};
     pair.forgotten = forgotten;
   }
-  const std::array<Side, 2> sides = {side(pair, 0, a), side(pair, 1, b)};
+  std::array<Side, 2> sides = {side(pair, 0, a), side(pair, 1, b)};
   const double smaller = std::min(sides[0].reach, sides[1].reach);
   const auto points = [&] { return std::span<const ManifoldPoint>(pair.points).first(pair.count); };
 
@@ -378,11 +397,16 @@ void BulletMeshContacts::State::process(MeshPair& pair, btPersistentManifold* sh
     pair.margin = -1;
     return;
   }
-  const double speculation = approach(a, sides[0], b, sides[1], static_cast<double>(info.m_timeStep));
-  const double margin = std::max(options_.skin * smaller + std::min(speculation, options_.most_speculation * smaller),
-                                 static_cast<double>(result.m_closestPointDistanceThreshold));
-  const bool moved = !sides[0].same_place(pair.last[0]) || !sides[1].same_place(pair.last[1]);
-  if (moved || margin > pair.margin) query(pair, sides, margin);
+  const auto dt = static_cast<double>(info.m_timeStep);
+  const double way = approach(a, sides[0], b, sides[1], dt), most = options_.most_speculation * smaller;
+  const double ahead = way > most ? dt * most / way : dt;
+  if (way > 0) {
+    sides[0].motion.end = moved(sides[0].motion.start, *a.getCollisionObject(), ahead);
+    sides[1].motion.end = moved(sides[1].motion.start, *b.getCollisionObject(), ahead);
+  }
+  const double margin = std::max(options_.skin * smaller, static_cast<double>(result.m_closestPointDistanceThreshold));
+  const bool changed = !sides[0].same_place(pair.last[0]) || !sides[1].same_place(pair.last[1]);
+  if (changed || margin > pair.margin) query(pair, sides, margin);
   pair.manifolds.fill(points(), a, b, nearness * smaller);
 }
 

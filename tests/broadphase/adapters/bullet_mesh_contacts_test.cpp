@@ -69,64 +69,60 @@ struct Ground {
 
 const std::vector<Ground>& grounds() {
   static const std::vector<Ground> all = {
-      {"plane", [](MeshWorld & w) -> auto& {return w.keep(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
-}
-}  // namespace
-, {"box", [](MeshWorld& w) -> auto& {return w.keep(std::make_unique<btBoxShape>(btVector3(4, 4, 1)));
-}  // namespace encage::test
-, 1
-}
-, {"mesh", [](MeshWorld& w) -> auto& {return w.keep(mesh_shape(box({-4, -4, -1}, {4, 4, 1})));
-}
-, 1
-}
-, {"rounded mesh", [](MeshWorld& w) -> auto& {return with_margin(w.keep(mesh_shape(box({-4, -4, -1}, {4, 4, 1}))), 0.1);
-}
-, 1, 0.1
-}
-, {"hull", [](MeshWorld& w) -> auto& {auto hull = std::make_unique<btConvexHullShape>();
-for (int i = 0; i < 8; ++i) {
-  hull->addPoint({i & 1 ? 4.F : -4.F, i & 2 ? 4.F : -4.F, i & 4 ? 1.F : -1.F});
-}
-return with_margin(w.keep(std::move(hull)), 0.06);
-}
-, 1, 0.06
-}
-, {"cylinder", [](MeshWorld& w) -> auto& {return w.keep(std::make_unique<btCylinderShapeZ>(btVector3(4, 4, 1)));
-}
-, 1
-}
-, {"cone upside down", [](MeshWorld& w) -> auto& {auto compound = std::make_unique<btCompoundShape>();
-auto& cone = with_margin(w.keep(std::make_unique<btConeShapeZ>(4.F, 2.F)), 0.05);
-compound->addChildShape(btTransform(btQuaternion(btVector3(1, 0, 0), SIMD_PI)), &cone);
-return w.keep(std::move(compound));
-}
-, 1, 0.05
-}
-, {"triangle mesh", [](MeshWorld& w) -> auto& {return w.keep(SquareShape::make(4));
-}
-}
-, {"triangle mesh with margin", [](MeshWorld& w) -> auto& {return with_margin(w.keep(SquareShape::make(4)), 0.04);
-}
-, 0, 0.04
-}
-, {"height field",
-   [](MeshWorld& w) -> auto& {
-                        return w.keep(std::make_unique<FlatTerrain>(std::make_unique<std::vector<float>>(81, 0.5F)));
-}
-}
-, {"compound of meshes", [](MeshWorld& w) -> auto& {auto compound = std::make_unique<btCompoundShape>();
-auto& half = w.keep(mesh_shape(box({-2, -4, -1}, {2, 4, 1})));
-compound->addChildShape(btTransform(btQuaternion::getIdentity(), {-2, 0, 0}), &half);
-compound->addChildShape(btTransform(btQuaternion::getIdentity(), {2, 0, 0}), &half);
-return w.keep(std::move(compound));
-}
-, 1
-}
-,
-}
-;
-return all;
+      {"plane",
+       [](MeshWorld& w) -> btCollisionShape& {
+         return w.keep(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
+       }},
+      {"box",
+       [](MeshWorld& w) -> btCollisionShape& { return w.keep(std::make_unique<btBoxShape>(btVector3(4, 4, 1))); }, 1},
+      {"mesh",
+       [](MeshWorld& w) -> btCollisionShape& {
+         return w.keep(mesh_shape(box({-4, -4, -1}, {4, 4, 1})));
+       },
+       1},
+      {"rounded mesh",
+       [](MeshWorld& w) -> btCollisionShape& {
+         return with_margin(w.keep(mesh_shape(box({-4, -4, -1}, {4, 4, 1}))), 0.1);
+       },
+       1, 0.1},
+      {"hull",
+       [](MeshWorld& w) -> btCollisionShape& {
+         auto hull = std::make_unique<btConvexHullShape>();
+         for (int i = 0; i < 8; ++i) {
+           hull->addPoint({i & 1 ? 4.F : -4.F, i & 2 ? 4.F : -4.F, i & 4 ? 1.F : -1.F});
+         }
+         return with_margin(w.keep(std::move(hull)), 0.06);
+       },
+       1, 0.06},
+      {"cylinder",
+       [](MeshWorld& w) -> btCollisionShape& { return w.keep(std::make_unique<btCylinderShapeZ>(btVector3(4, 4, 1))); },
+       1},
+      {"cone upside down",
+       [](MeshWorld& w) -> btCollisionShape& {
+         auto compound = std::make_unique<btCompoundShape>();
+         auto& cone = with_margin(w.keep(std::make_unique<btConeShapeZ>(4.F, 2.F)), 0.05);
+         compound->addChildShape(btTransform(btQuaternion(btVector3(1, 0, 0), SIMD_PI)), &cone);
+         return w.keep(std::move(compound));
+       },
+       1, 0.05},
+      {"triangle mesh", [](MeshWorld& w) -> btCollisionShape& { return w.keep(SquareShape::make(4)); }},
+      {"triangle mesh with margin",
+       [](MeshWorld& w) -> btCollisionShape& { return with_margin(w.keep(SquareShape::make(4)), 0.04); }, 0, 0.04},
+      {"height field",
+       [](MeshWorld& w) -> btCollisionShape& {
+         return w.keep(std::make_unique<FlatTerrain>(std::make_unique<std::vector<float>>(81, 0.5F)));
+       }},
+      {"compound of meshes",
+       [](MeshWorld& w) -> btCollisionShape& {
+         auto compound = std::make_unique<btCompoundShape>();
+         auto& half = w.keep(mesh_shape(box({-2, -4, -1}, {2, 4, 1})));
+         compound->addChildShape(btTransform(btQuaternion::getIdentity(), {-2, 0, 0}), &half);
+         compound->addChildShape(btTransform(btQuaternion::getIdentity(), {2, 0, 0}), &half);
+         return w.keep(std::move(compound));
+       },
+       1},
+  };
+  return all;
 }
 
 struct Guest {
@@ -136,29 +132,37 @@ struct Guest {
 };
 
 const std::vector<Guest>& guests() {
-  static const std::vector<Guest> all = {{"cube", [](MeshWorld & w) -> auto& {return w.keep(mesh_shape(cube(0.5)));
-}
-}
-, {"scaled cube", [](MeshWorld& w) -> auto& {auto& shape = w.keep(mesh_shape(cube(0.25)));
-shape.setLocalScaling({2, 2, 2});
-return shape;
-}
-}
-, {"rounded cube", [](MeshWorld& w) -> auto& {return with_margin(w.keep(mesh_shape(cube(0.4))), 0.1);
-}
-}
-, {
-  "compound of cubes", [](MeshWorld & w) -> auto& {
-    auto compound = std::make_unique<btCompoundShape>();
-    auto& part = w.keep(mesh_shape(cube(0.5)));
-    compound->addChildShape(btTransform(btQuaternion::getIdentity(), {-1, 0, 0}), &part);
-    compound->addChildShape(btTransform(btQuaternion::getIdentity(), {1, 0, 0}), &part);
-    return w.keep(std::move(compound));
-  }
-}
-}
-;
-return all;
+  static const std::vector<Guest> all = {
+      {"cube", [](MeshWorld& w) -> btCollisionShape& { return w.keep(mesh_shape(cube(0.5))); }},
+      {"scaled cube",
+       [](MeshWorld& w) -> btCollisionShape& {
+         auto& shape = w.keep(mesh_shape(cube(0.25)));
+         shape.setLocalScaling({2, 2, 2});
+         return shape;
+       }},
+      {"rounded cube",
+       [](MeshWorld& w) -> btCollisionShape& { return with_margin(w.keep(mesh_shape(cube(0.4))), 0.1); }},
+      {"compound shape",
+       [](MeshWorld& w) -> btCollisionShape& {
+         const ShapePtr part = make_shape(cube(0.5));
+         const std::array<CompoundPart, 2> parts = {
+             CompoundPart{part, Eigen::Isometry3d(Eigen::Translation3d(-1, 0, 0))},
+             CompoundPart{part, Eigen::Isometry3d(Eigen::Translation3d(1, 0, 0))}};
+         return w.keep(std::make_unique<BulletMeshShape>(make_compound(parts)));
+       }},
+      {"eccentric slab",  // its shortest axis has the largest moment and becomes z
+       [](MeshWorld& w) -> btCollisionShape& {
+         const BulletMeshShapeOptions options{.frame = BulletFrame::principal};
+         return w.keep(std::make_unique<BulletMeshShape>(make_shape(box({3, 1, 2}, {4, 2.5, 4})), options));
+       }},
+      {"compound of cubes", [](MeshWorld& w) -> btCollisionShape& {
+         auto compound = std::make_unique<btCompoundShape>();
+         auto& part = w.keep(mesh_shape(cube(0.5)));
+         compound->addChildShape(btTransform(btQuaternion::getIdentity(), {-1, 0, 0}), &part);
+         compound->addChildShape(btTransform(btQuaternion::getIdentity(), {1, 0, 0}), &part);
+         return w.keep(std::move(compound));
+       }}};
+  return all;
 }
 
 /// Mesh bodies on grounds of all kinds. Bullet orders a pair by the age of its bodies: both orders.
@@ -215,42 +219,35 @@ struct Roller {
 
 const std::vector<Roller>& rollers() {
   static const std::vector<Roller> all = {
-      {"sphere", [](MeshWorld & w) -> auto& {return w.keep(std::make_unique<btSphereShape>(0.5F));
-}
-}
-, {"capsule", [](MeshWorld& w) -> auto& {return w.keep(std::make_unique<btCapsuleShapeX>(0.5F, 1.F));
-}
-}
-, {"standing capsule", [](MeshWorld& w) -> auto& {return w.keep(std::make_unique<btCapsuleShapeZ>(0.5F, 1.F));
-}
-, 1
-}
-, {"box", [](MeshWorld& w) -> auto& {return w.keep(std::make_unique<btBoxShape>(btVector3(1, 1, 0.5F)));
-}
-}
-, {"cylinder", [](MeshWorld& w) -> auto& {return w.keep(std::make_unique<btCylinderShapeZ>(btVector3(1, 1, 0.5F)));
-}
-}
-, {"cone", [](MeshWorld& w) -> auto& {return with_margin(w.keep(std::make_unique<btConeShapeZ>(1.F, 0.9F)), 0.05);
-}
-}
-, {"simplex",
-   [](MeshWorld& w) -> auto& {auto simplex = std::make_unique<btBU_Simplex1to4>(
-                                  btVector3(1, 0, -0.4F), btVector3(-1, 1, -0.4F), btVector3(-1, -1, -0.4F),
-                                  btVector3(-0.2F, 0, 0.5F));
-return with_margin(w.keep(std::move(simplex)), 0.1);
-}
-}
-, {"two balls",
-   [](MeshWorld& w) -> auto& {const std::array<btVector3, 2> centres = {btVector3(-1, 0, 0), btVector3(1, 0, 0)};
-const std::array<btScalar, 2> radii = {0.5F, 0.5F};
-return w.keep(std::make_unique<btMultiSphereShape>(centres.data(), radii.data(), 2));
-}
-}
-,
-}
-;
-return all;
+      {"sphere", [](MeshWorld& w) -> btCollisionShape& { return w.keep(std::make_unique<btSphereShape>(0.5F)); }},
+      {"capsule",
+       [](MeshWorld& w) -> btCollisionShape& { return w.keep(std::make_unique<btCapsuleShapeX>(0.5F, 1.F)); }},
+      {"standing capsule",
+       [](MeshWorld& w) -> btCollisionShape& { return w.keep(std::make_unique<btCapsuleShapeZ>(0.5F, 1.F)); }, 1},
+      {"box",
+       [](MeshWorld& w) -> btCollisionShape& { return w.keep(std::make_unique<btBoxShape>(btVector3(1, 1, 0.5F))); }},
+      {"cylinder",
+       [](MeshWorld& w) -> btCollisionShape& {
+         return w.keep(std::make_unique<btCylinderShapeZ>(btVector3(1, 1, 0.5F)));
+       }},
+      {"cone",
+       [](MeshWorld& w) -> btCollisionShape& {
+         return with_margin(w.keep(std::make_unique<btConeShapeZ>(1.F, 0.9F)), 0.05);
+       }},
+      {"simplex",
+       [](MeshWorld& w) -> btCollisionShape& {
+         auto simplex = std::make_unique<btBU_Simplex1to4>(btVector3(1, 0, -0.4F), btVector3(-1, 1, -0.4F),
+                                                           btVector3(-1, -1, -0.4F), btVector3(-0.2F, 0, 0.5F));
+         return with_margin(w.keep(std::move(simplex)), 0.1);
+       }},
+      {"two balls",
+       [](MeshWorld& w) -> btCollisionShape& {
+         const std::array<btVector3, 2> centres = {btVector3(-1, 0, 0), btVector3(1, 0, 0)};
+         const std::array<btScalar, 2> radii = {0.5F, 0.5F};
+         return w.keep(std::make_unique<btMultiSphereShape>(centres.data(), radii.data(), 2));
+       }},
+  };
+  return all;
 }
 
 class RestsOnMesh : public testing::TestWithParam<std::size_t> {};
