@@ -293,8 +293,8 @@ TEST(Manifold, SpheresOfTriangles) {
     ASSERT_FALSE(points.empty());
     EXPECT_NEAR(least_separation(points), gap, 0.01);
     for (const ManifoldPoint& p : points) {
-      // Vertices have entered where the spheres overlap, up to this angle from the middle, and a facet more.
-      EXPECT_GT(p.normal.dot(way), std::cos(std::acos(1 - 0.5 * std::max(0.0, -gap)) + 0.15)) << gap;
+      // Vertices are within the margin up to this angle from the middle, and a facet may lean by as much more.
+      EXPECT_GT(p.normal.dot(way), std::cos(std::acos(1 - 0.5 * (0.05 - gap)) + 0.15)) << gap;
       EXPECT_LT((p.point_b - below.translation()).norm(), 1.01);
       EXPECT_LT((p.point_a - pose.translation()).norm(), 1.01);
     }
@@ -850,7 +850,7 @@ struct Step {
 std::vector<Step> history(const std::vector<Body>& all) {
   shapes::Random random(12);
   std::vector<Step> steps;
-  for (int scene = 0; scene < 40; ++scene) {
+  for (int scene = 0; scene < 60; ++scene) {
     const Body &a = all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))],
                &b = all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))];
     Pose pose_a = random_pose(random, 3), pose_b = random_pose(random, 3);
@@ -1075,6 +1075,9 @@ TEST(BadInput, GetsNoPoints) {
   Pose sheared = Pose::Identity();
   sheared.linear()(0, 1) = 0.1;
   unusable.push_back(Motion::resting(sheared));
+  Motion lost = above;
+  lost.end.translation().z() = nan;
+  unusable.push_back(lost);
   for (const double scale : {0.0, -1.0, 1e60}) unusable.push_back(Motion::resting(Pose::Identity(), scale));
   for (const Motion& motion : unusable) {
     EXPECT_EQ(count(above, motion, {.margin = 1}, room), 0);
@@ -1084,10 +1087,6 @@ TEST(BadInput, GetsNoPoints) {
     EXPECT_EQ(contact_manifold(*cube, {}, HalfSpace{normal, 0}, {.margin = 1}, cache, room), 0);
   }
   EXPECT_EQ(contact_manifold(*cube, {}, HalfSpace{up, nan}, {.margin = 1}, cache, room), 0);
-  // The end of a motion plays no part.
-  Motion going = above;
-  going.end.translation().z() = nan;
-  EXPECT_GT(contact_manifold(*cube, going, *cube, {}, {}, cache, room), 0);
   EXPECT_GT(contact_manifold(*cube, {}, *cube, at(0, 0, 5), {.margin = infinity}, cache, room), 0);
 }
 
