@@ -80,27 +80,6 @@ class GImpactMethod : public ContactMethod {
   double margin_;
 };
 
-class EncageMesh : public MethodShape {
- public:
-  explicit EncageMesh(const TriangleMesh& mesh) : shape_(encage::make_shape(mesh)) {}
-  btCollisionShape& shape() override { return shape_; }
-
- private:
-  BulletMeshShape shape_;
-};
-
-class EncageMethod : public ContactMethod {
- public:
-  std::string name() const override { return "encage"; }
-  std::string description() const override { return "encage::BulletMeshShape, default options"; }
-  std::unique_ptr<MethodShape> make_shape(const SceneBodyModel& body) const override {
-    return std::make_unique<EncageMesh>(body.mesh);
-  }
-  std::shared_ptr<void> attach(btCollisionDispatcher& dispatcher) const override {
-    return std::make_shared<BulletMeshContacts>(dispatcher);
-  }
-};
-
 }  // namespace
 
 std::vector<std::string> all_method_names() { return {"encage", "gimpact", "gimpact_1mm", "hulls"}; }

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <tuple>
 
 namespace encage {
 namespace {
@@ -165,25 +166,31 @@ class Search {
   }
 
   /// Takes the nearest triangle.
-  static void locate(const ContactBody& host, const ContactVertex& v, std::int32_t triangle,
-                     ContactScratch::Located& located) {
+  void locate(const ContactBody& host, const ContactVertex& v, std::int32_t triangle,
+              ContactScratch::Located& located) const {
     const Vector p = host.inverse(v.position);
     const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(triangle, k)); };
     located.nearest = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
     located.nearest.triangle = triangle;
-    set_side(host, p, located);
+    set_side(host, p, v, located);
   }
 
-  static void set_side(const ContactBody& host, const Vector& p, ContactScratch::Located& located) {
+  /// A vertex on the surface that looks the same way as the surface does belongs to a body that has entered.
+  void set_side(const ContactBody& host, const Vector& p, const ContactVertex& v,
+                ContactScratch::Located& located) const {
+    located.where = Where::outside;
+    if (!host.solid) return;
+    const Vector out = feature_normal(*host.surface, *host.features, located.nearest);
+    const bool on_surface = located.nearest.distance * host.scale <= 4 * error_;
     const bool behind =
-        host.solid && feature_normal(*host.surface, *host.features, located.nearest).dot(p - located.nearest.point) < 0;
-    located.where = behind ? Where::inside : Where::outside;
+        on_surface ? host.direction(out).dot(v.normal) > -facing_cosine : out.dot(p - located.nearest.point) < 0;
+    if (behind) located.where = Where::inside;
   }
 
   void locate_anywhere(const ContactBody& host, const ContactVertex& v, ContactScratch::Located& located) const {
     const Vector p = host.inverse(v.position);
     if (nearest_point(*host.surface, p, std::numeric_limits<double>::infinity(), located.nearest)) {
-      set_side(host, p, located);
+      set_side(host, p, v, located);
     }
   }
 
@@ -460,20 +467,27 @@ class Search {
     return in_vertex_region(host, v, direction) && (!host.solid || host.normal(point).dot(direction) > 0);
   }
 
-  /// Edges that have passed each other count where no vertex has entered beside them: vertices tell the depth better,
-  /// and do not change as often.
+  /// Edges that have passed each other count where nothing beside them has entered less deep: vertices tell depths
+  /// better, and far edges of a corner that has entered cross as well.
   void add_crossings(std::size_t first) {
-    const std::size_t end = s_.candidates.size();
+    std::sort(s_.crossings.begin(), s_.crossings.end(),
+              [](const ContactScratch::Crossing& x, const ContactScratch::Crossing& y) {
+                return std::tie(y.contact.separation, x.contact.feature) <
+                       std::tie(x.contact.separation, y.contact.feature);
+              });
     for (const ContactScratch::Crossing& crossing : s_.crossings) {
       const ContactCandidate& c = crossing.contact;
       const double reach = std::max(length_of(s_.a, crossing.edge_a), length_of(s_.b, crossing.edge_b));
-      const bool told =
-          std::any_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first),
-                      s_.candidates.begin() + static_cast<std::ptrdiff_t>(end), [&](const ContactCandidate& other) {
-                        return (other.feature >> 63) == 0 && other.separation < 0.5 * reach &&
-                               other.normal.dot(c.normal) > 0.5 && (other.point_a - c.point_a).norm() < reach;
-                      });
-      if (!told) s_.candidates.push_back(c);
+      const auto tells = [&](const ContactCandidate& other) {
+        const bool vertex = other.feature >> 63 == 0;
+        if (other.separation > (vertex ? 0.5 * reach : 0)) return false;
+        if (!vertex && other.normal.dot(c.normal) > 0.5) return false;
+        if (vertex && other.separation > 0 && other.normal.dot(c.normal) < 0.5) return false;
+        return (other.point_a - c.point_a).norm() < reach;
+      };
+      if (std::none_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first), s_.candidates.end(), tells)) {
+        s_.candidates.push_back(c);
+      }
     }
   }
   static double length_of(const ContactBody& body, std::int32_t side) {
@@ -540,7 +554,7 @@ void ContactBody::place(const MovingPart& moving, const AffineMap& to_common, st
   surface = &moving.shape->fine;
   features = &moving.shape->features();
   scale = moving.motion.scale;
-  map = to_common;
+  map = {scale * to_common.linear, to_common.offset};
   inverse.linear = map.linear.inverse();
   inverse.offset = -(inverse.linear * map.offset);
   solid = interior(*moving.shape) == Interior::enclosed;
