@@ -124,7 +124,8 @@ inline TriangleMesh slab(shapes::Random& random, int n, double half, double thic
   const double cell = 2 * half / n;
   for (int i = 0; i <= n; ++i) {
     for (int j = 0; j <= n; ++j) {
-      const double x = i == 0 || i == n ? 0 : random(-wander, wander), y = j == 0 || j == n ? 0 : random(-wander, wander);
+      const double x = i == 0 || i == n ? 0 : random(-wander, wander),
+                   y = j == 0 || j == n ? 0 : random(-wander, wander);
       v.push_back({-half + cell * (i + x), -half + cell * (j + y), 0});
     }
   }

@@ -57,9 +57,9 @@ std::vector<Near> near_pairs(const std::vector<Body>& all, int rounds, std::uint
     const Body &a = all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))],
                &b = all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))];
     const double scale_b = round % 4 == 0 ? 0.25 : 1, size = a.diagonal() + scale_b * b.diagonal();
-    Near pair{&a, &b, Motion::resting(random_pose(random, 5)), Motion::resting(random_pose(random, 0), scale_b), 0, 0, size};
-    pair.at_b.start.translation() =
-        pair.at_a.start.translation() + random_direction(random) * random(0.1, 0.6) * size;
+    Near pair{&a, &b,  Motion::resting(random_pose(random, 5)), Motion::resting(random_pose(random, 0), scale_b), 0,
+              0,  size};
+    pair.at_b.start.translation() = pair.at_a.start.translation() + random_direction(random) * random(0.1, 0.6) * size;
     pair.at_b.end = pair.at_b.start;
     pair.margin = size * std::pow(10, random(-4, -1));
     if (approach(pair, random(0.1, 0.9) * pair.margin)) pairs.push_back(pair);
@@ -80,8 +80,8 @@ TEST(ManifoldPairs, LeastSeparationIsTheDistanceAndPointsLieOnBothSurfaces) {
   for (const Near& pair : pairs) {
     SCOPED_TRACE(testing::Message() << pair.a->sample.name << " and " << pair.b->sample.name << ", gap " << pair.gap
                                     << ", margin " << pair.margin << ", pair " << &pair - pairs.data());
-    const Points points = contacts(*pair.a->shape, pair.at_a, *pair.b->shape, pair.at_b, {.margin = pair.margin},
-                                   pair.size + 10);
+    const Points points =
+        contacts(*pair.a->shape, pair.at_a, *pair.b->shape, pair.at_b, {.margin = pair.margin}, pair.size + 10);
     EXPECT_NEAR(least_separation(points), pair.gap, 1e-9 * pair.size);
     const auto on_a = at_time(pair.a->mesh(), pair.a->origin(), pair.at_a, 0),
                on_b = at_time(pair.b->mesh(), pair.b->origin(), pair.at_b, 0);
@@ -217,7 +217,7 @@ TEST(ManifoldPairs, EveryLeastDistanceOfFeaturesIsReported) {
   for (Body& body : sample_bodies()) {
     if (body.solid() && body.sample.name != "spiked box") all.push_back(std::move(body));
   }
-  const std::vector<Near> pairs = near_pairs(all, 2500, 22);
+  const std::vector<Near> pairs = near_pairs(all, 4000, 22);
   int count = 0, several = 0;
   std::vector<ManifoldPoint> room(4096);
   for (const Near& pair : pairs) {
@@ -231,11 +231,14 @@ TEST(ManifoldPairs, EveryLeastDistanceOfFeaturesIsReported) {
         contact_manifold(*pair.a->shape, pair.at_a, *pair.b->shape, pair.at_b, options, cache, room));
     const double tolerance = 1e-9 * pair.size;
     for (const TwinContact& twin : expected) {
-      EXPECT_TRUE(std::any_of(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(found), [&](const auto& p) {
-        return (p.point_a - twin.point_a).norm() < tolerance && (p.point_b - twin.point_b).norm() < tolerance &&
-               (p.normal - twin.normal).norm() < 1e-6 && std::abs(p.separation - twin.separation) < tolerance;
-      })) << "separation "
-          << twin.separation << ", normal " << twin.normal.transpose();
+      EXPECT_TRUE(std::any_of(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(found),
+                              [&](const auto& p) {
+                                return (p.point_a - twin.point_a).norm() < tolerance &&
+                                       (p.point_b - twin.point_b).norm() < tolerance &&
+                                       (p.normal - twin.normal).norm() < 1e-6 &&
+                                       std::abs(p.separation - twin.separation) < tolerance;
+                              }))
+          << "separation " << twin.separation << ", normal " << twin.normal.transpose();
     }
     count += static_cast<int>(expected.size());
     several += expected.size() > 1;
