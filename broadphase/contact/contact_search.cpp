@@ -318,6 +318,7 @@ class Search {
     const Vector up = v.position - facing.point;
     const double height = up.norm();
     if (facing.kind != SurfacePoint::Kind::face || !(unit_normal(triangle).dot(up) > 0)) return;
+    if (!faces(guest, v, up / height)) return;
     add(guest, host, guest_is_a, v, facing.point, up / height, height);
   }
 
@@ -327,7 +328,12 @@ class Search {
   static bool may_point(const ContactBody& guest, const ContactBody& host, const ContactVertex& v,
                         const SurfacePoint& nearest, const Vector& normal) {
     const bool upright = std::abs(unit_normal(host.triangle(nearest.triangle)).dot(normal)) > 1 - 1e-9;
-    return (upright && v.normal.dot(normal) < v.most_cosine) || in_vertex_region(guest, v, -normal);
+    return (upright && faces(guest, v, normal)) || in_vertex_region(guest, v, -normal);
+  }
+  static bool faces(const ContactBody& guest, const ContactVertex& v, const Vector& normal) {
+    if (guest.solid) return v.normal.dot(normal) < v.most_cosine;
+    const Eigen::Vector3f& own = guest.features->vertex_normal[static_cast<std::size_t>(v.vertex)];
+    return std::abs(guest.direction(own.cast<double>()).dot(normal)) > -facing_cosine;
   }
 
   /// A vertex and a surface without interior: the side is that of the step before, or the one that the vertex's own
@@ -346,6 +352,7 @@ class Search {
       if (std::abs(wanted) < -facing_cosine) return;
       if (wanted < 0) {
         if (std::abs(face.dot(normal)) < 0.7) return;  // beyond the boundary
+        if (before == nullptr && !straddles(guest, v, on_host, normal)) return;
         normal = -normal;
         separation = -distance;
       }
@@ -353,6 +360,16 @@ class Search {
     if (!may_point(guest, host, v, nearest, normal)) return;
     add(guest, host, guest_is_a, v, on_host, normal, separation);
     if (!normal.isZero()) new_sides_.push_back({feature, host.local_direction(normal).cast<float>()});
+  }
+
+  /// True if a neighbour of the vertex is on the other side of the plane.
+  static bool straddles(const ContactBody& guest, const ContactVertex& v, const Vector& on_plane,
+                        const Vector& normal) {
+    bool crosses = false;
+    visit_around(*guest.features, v.side / 3, v.side % 3, [&](std::int32_t t) {
+      for (int k = 0; k < 3; ++k) crosses = crosses || normal.dot(guest.position(t, k) - on_plane) < 0;
+    });
+    return crosses;
   }
 
   /// True if points that `direction` leads to have the vertex as their nearest feature.
@@ -391,10 +408,6 @@ class Search {
     return least < facing_cosine;
   }
 
-  Vector patch_side(const ContactScratch::Located& located) const {
-    return s_.patches[static_cast<std::size_t>(located.patch)].before.stableNormalized();
-  }
-
   const Vector* side_before(std::uint64_t feature) {
     const auto found = std::lower_bound(sides_.begin(), sides_.end(), feature,
                                         [](const ContactSide& side, std::uint64_t f) { return side.feature < f; });
@@ -417,7 +430,16 @@ class Search {
       return true;
     };
     const auto face = [&] { return unit_normal(host.triangle(out.triangle)); };
-    if (v.facing <= limit_ * limit_) {
+    if (!guest.solid && !guest.round) {
+      // Either side of a sheet may face the way out.
+      const Eigen::Vector3f& own = guest.features->vertex_normal[static_cast<std::size_t>(v.vertex)];
+      const Vector axis = guest.direction(own.cast<double>());
+      out = located.nearest;
+      SurfacePoint one;
+      const bool found = search(axis, facing_cosine);
+      if (found) one = out;
+      if (search(-axis, facing_cosine) && found && one.distance < out.distance) out = one;
+    } else if (v.facing <= limit_ * limit_) {
       const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(v.facing_triangle, k)); };
       out = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
       out.triangle = v.facing_triangle;
@@ -437,12 +459,13 @@ class Search {
       }
     }
     const std::uint64_t feature = vertex_feature(guest, host, guest_is_a, v.vertex);
-    // A vertex that has just entered takes the side of those around it.
-    const Vector* const before = side_before(feature);
-    const Vector side = before != nullptr    ? host.direction(*before)
-                        : located.patch >= 0 ? patch_side(located)
-                                             : Vector::Zero();
-    if (face().dot(side) < 0) search(-side, facing_cosine);
+    // A vertex that has just entered takes the side of those around it; and these keep one from turning round little by
+    // little.
+    Vector side = Vector::Zero();
+    if (const Vector* const before = side_before(feature)) side = host.direction(*before);
+    if (located.patch >= 0) side += s_.patches[static_cast<std::size_t>(located.patch)].before.stableNormalized();
+    side.stableNormalize();
+    if (face().dot(side) < -facing_cosine && !side.isZero()) search(-side, facing_cosine);
     Vector normal = face();
     const Vector to_surface = host.map(out.point) - v.position;
     double depth = to_surface.norm();
@@ -655,9 +678,9 @@ void ContactBody::add_edges(std::int32_t t, unsigned owned) {
     if (twin >= 0) {
       const Vector other = unit_normal(triangle(twin / 3));
       const double bend = other.dot(edge.out[0]);
-      // Edges of degenerate triangles may point anywhere.
-      const bool flat = (solid ? bend : std::abs(bend)) <= flat_edge;
-      if (flat && !normal.isZero() && !other.isZero()) continue;
+      // Edges of two coincident or degenerate triangles are as sharp as can be.
+      const bool folded = std::abs(bend) <= flat_edge && normal.dot(other) <= 0;
+      if ((solid ? bend : std::abs(bend)) <= flat_edge && !folded) continue;
       edge.out[1] = -edge.along.cross(other) / edge.length;
     }
     edges.push_back(edge);
