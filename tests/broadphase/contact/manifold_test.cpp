@@ -236,10 +236,10 @@ TEST(Manifold, ABlockInANotchTouchesBothWalls) {
           contacts(*block, at(-0.0625 + gap_x, -0.0625 + gap_y, 0.1), *notch, Motion{}, {.margin = 0.02});
       Points of_x, of_y;
       for (const ManifoldPoint& p : points) (p.normal.x() > 0.5 ? of_x : of_y).push_back(p);
-      // Corners that have entered both walls belong to one of them. The walls' common edge takes no part.
+      // Corners that are near both walls belong to one of them. The walls' common edge takes no part.
       EXPECT_GE(of_x.size(), 2U);
       EXPECT_GE(of_y.size(), 2U);
-      EXPECT_GE(points.size(), gap_x < 0 || gap_y < 0 ? 6U : 8U);
+      EXPECT_GE(points.size(), 6U);
       expect_all(of_x, Vector::UnitX(), gap_x, 1e-9);
       expect_all(of_y, Vector::UnitY(), gap_y, 1e-9);
       EXPECT_GT(std::max(spanned(of_x, Vector::UnitX()), spanned(of_y, Vector::UnitY())), 0.2);
