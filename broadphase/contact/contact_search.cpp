@@ -24,6 +24,8 @@ using Where = ContactScratch::Where;
 constexpr double facing_cosine = -0.25;
 /// Radians by which a direction may leave a feature's Voronoi region.
 constexpr double region_slack = 1e-3;
+/// The same for round bodies, whose directions are those of nearest points.
+constexpr double round_slack = 1e-7;
 /// Least ratio of the length of a patch's vector area to its area at which the vector tells the side it entered by.
 constexpr double coherent = 0.85;
 /// Sine of the angle between the triangles of an edge below which the edge counts as flat: normals are rounded to
@@ -54,6 +56,7 @@ class Search {
       body->vertices.clear();
       body->edges.clear();
     }
+    const std::size_t first = s_.candidates.size();
     const Surface &a = *s_.a.surface, &b = *s_.b.surface;
     const BoxGate gate(motion_, {a.radius, a.tree.grid, s_.a.scale}, {b.radius, b.tree.grid, s_.b.scale},
                        limit_ + error_);
@@ -64,13 +67,14 @@ class Search {
           return true;
         },
         this);
-    const std::size_t first = s_.candidates.size();
     if (!s_.leaf_pairs.empty()) {
-      vertices_of(s_.a, s_.b, true);
-      vertices_of(s_.b, s_.a, false);
+      vertices_of(s_.a, s_.b, true, false);
+      vertices_of(s_.b, s_.a, false, false);
       add_crossings(first);
     }
-    if (s_.candidates.size() == first) last_resort();
+    if (s_.candidates.size() == first) vertices_of(s_.a, s_.b, true, true);
+    if (s_.candidates.size() == first) vertices_of(s_.b, s_.a, false, true);
+    if (s_.candidates.size() == first) last_resort(first);
   }
 
  private:
@@ -157,6 +161,7 @@ class Search {
   void add(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
            const Vector& on_host, const Vector& normal, double separation) {
     if (separation > limit_ && !(separation <= reach(guest.displacement(v.position), normal))) return;
+    if (normal.isZero()) return;  // degenerate triangles tell no direction
     ContactCandidate c;
     c.point_a = guest_is_a ? v.position : on_host;
     c.point_b = guest_is_a ? on_host : v.position;
@@ -166,17 +171,21 @@ class Search {
     s_.candidates.push_back(c);
   }
 
-  /// Locates the vertices near the other body, finds those inside it, and makes contacts of both.
-  void vertices_of(ContactBody& guest, ContactBody& host, bool guest_is_a) {
+  /// Locates the vertices near the other body, finds those inside it, and makes contacts of both. With `anywhere` it
+  /// starts from any vertex of the guest, which may be wholly inside the host.
+  void vertices_of(ContactBody& guest, ContactBody& host, bool guest_is_a, bool anywhere) {
+    if (anywhere && !host.solid) return;
+    const auto start = anywhere ? static_cast<std::size_t>(guest.vertex(0, 0)) : 0;
     s_.located.clear();
     s_.located.resize(guest.vertices.size());
+    if (anywhere) locate_anywhere(host, guest.vertices[start], s_.located[start]);
     for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
       const ContactVertex& v = guest.vertices[i];
       if (reaches(guest, v, v.any)) locate(host, v, v.any_triangle, s_.located[i]);
     }
     if (host.solid) {
       locate_crossing(guest, host, guest_is_a);
-      flood(guest, host);
+      flood(guest, host, guest_is_a);
     }
     for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
       const ContactVertex& v = guest.vertices[i];
@@ -264,7 +273,7 @@ class Search {
   }
 
   /// Finds the vertices inside the host that hang together with those found, and groups them.
-  void flood(ContactBody& guest, const ContactBody& host) {
+  void flood(ContactBody& guest, const ContactBody& host, bool guest_is_a) {
     s_.patches.clear();
     std::size_t searched = 0;
     for (std::size_t seed = 0; seed < s_.located.size(); ++seed) {
@@ -275,7 +284,11 @@ class Search {
       s_.queue.push_back(static_cast<std::int32_t>(seed));
       s_.located[seed].patch = number;
       for (std::size_t next = 0; next < s_.queue.size(); ++next) {
-        const std::int32_t side = guest.vertices[static_cast<std::size_t>(s_.queue[next])].side;
+        const ContactVertex& entered = guest.vertices[static_cast<std::size_t>(s_.queue[next])];
+        const std::int32_t side = entered.side;
+        if (const Vector* const before = side_before(vertex_feature(guest, host, guest_is_a, entered.vertex))) {
+          s_.patches.back().before += host.direction(*before);
+        }
         visit_around(*guest.features, side / 3, side % 3, [&](std::int32_t t) {
           const TriangleD corners = guest.triangle(t);
           const Vector area = (corners[1] - corners[0]).cross(corners[2] - corners[0]) / 6;
@@ -316,8 +329,8 @@ class Search {
       return;
     }
     const Vector normal = away / distance;
-    if (v.normal.dot(normal) < v.most_cosine || in_vertex_region(guest, v, -normal)) {
-      if (host.round && !in_vertex_region(guest, v, -normal)) return;
+    if (may_point(guest, host, v, nearest, normal)) {
+      if (host.round && !in_vertex_region(guest, v, -normal, round_slack)) return;
       add(guest, host, guest_is_a, v, on_host, normal, distance);
       return;
     }
@@ -329,6 +342,15 @@ class Search {
     const double height = up.norm();
     if (facing.kind != SurfacePoint::Kind::face || !(unit_normal(triangle).dot(up) > 0)) return;
     add(guest, host, guest_is_a, v, facing.point, up / height, height);
+  }
+
+  /// True if the normal, which leads from the nearest point to the vertex, stays in the vertex's region, or is that of
+  /// a face which the vertex faces: then it holds wherever the vertex is. Normals of edges and vertices do not, and
+  /// would point askew next to bodies that rest on a plane.
+  static bool may_point(const ContactBody& guest, const ContactBody& host, const ContactVertex& v,
+                        const SurfacePoint& nearest, const Vector& normal) {
+    const bool upright = std::abs(host.face_normal(nearest.triangle).dot(normal)) > 1 - 1e-9;
+    return (upright && v.normal.dot(normal) < v.most_cosine) || in_vertex_region(guest, v, -normal);
   }
 
   /// A vertex and a surface without interior: the side is that of the step before, or the one that the vertex's own
@@ -351,17 +373,19 @@ class Search {
         separation = -distance;
       }
     }
+    if (!may_point(guest, host, v, nearest, normal)) return;
     add(guest, host, guest_is_a, v, on_host, normal, separation);
-    new_sides_.push_back({feature, host.local_direction(normal).cast<float>()});
+    if (!normal.isZero()) new_sides_.push_back({feature, host.local_direction(normal).cast<float>()});
   }
 
   /// True if points that `direction` leads to have the vertex as their nearest feature.
-  static bool in_vertex_region(const ContactBody& body, const ContactVertex& v, const Vector& direction) {
+  static bool in_vertex_region(const ContactBody& body, const ContactVertex& v, const Vector& direction,
+                               double slack = region_slack) {
     bool in = true;
     visit_around(*body.features, v.side / 3, v.side % 3, [&](std::int32_t t) {
       for (int k = 0; k < 3; ++k) {
         const Vector along = body.position(t, k) - v.position;
-        in = in && along.dot(direction) <= region_slack * along.norm();
+        in = in && along.dot(direction) <= slack * along.norm();
       }
     });
     return in;
@@ -388,6 +412,10 @@ class Search {
       if (point.kind == SurfacePoint::Kind::edge && twin >= 0) compare(twin / 3);
     }
     return least < facing_cosine;
+  }
+
+  Vector patch_side(const ContactScratch::Located& located) const {
+    return s_.patches[static_cast<std::size_t>(located.patch)].before.stableNormalized();
   }
 
   const Vector* side_before(std::uint64_t feature) {
@@ -418,8 +446,12 @@ class Search {
       out.triangle = v.facing_triangle;
     } else if (v.most_cosine >= 1 || !search(v.normal, facing_cosine)) {
       out = located.nearest;
+    } else if (out.distance > 2 * located.nearest.distance &&
+               unit_normal(host.triangle(located.nearest.triangle)).dot(v.normal) < -facing_cosine) {
+      // What faces a vertex on the side of a bar may be the bar's far end.
+      out = located.nearest;
     }
-    if (located.patch >= 0) {
+    if (guest.solid && located.patch >= 0) {
       const ContactScratch::Patch& patch = s_.patches[static_cast<std::size_t>(located.patch)];
       const double length = patch.area.norm();
       if (length > coherent * patch.size) {
@@ -428,10 +460,12 @@ class Search {
       }
     }
     const std::uint64_t feature = vertex_feature(guest, host, guest_is_a, v.vertex);
-    if (const Vector* const before = side_before(feature)) {
-      const Vector side = host.direction(*before);
-      if (face().dot(side) < 0) search(-side, facing_cosine);
-    }
+    // A vertex that has just entered takes the side of those around it.
+    const Vector* const before = side_before(feature);
+    const Vector side = before != nullptr    ? host.direction(*before)
+                        : located.patch >= 0 ? patch_side(located)
+                                             : Vector::Zero();
+    if (face().dot(side) < 0) search(-side, facing_cosine);
     Vector normal = face();
     const Vector to_surface = host.map(out.point) - v.position;
     double depth = to_surface.norm();
@@ -467,6 +501,14 @@ class Search {
 
   /// True if the triangle is the first that has the feature, and the direction stays in the feature's region.
   static bool host_feature_holds(const ContactBody& host, const SurfacePoint& point, const Vector& direction) {
+    if (host.round) {
+      // One triangle, two of whose corners or all are one point.
+      const TriangleD core = host.triangle(point.triangle);
+      return point.kind != SurfacePoint::Kind::vertex ||
+             std::all_of(core.begin(), core.end(), [&](const Vector& other) {
+               return (other - point.point).dot(direction) <= round_slack * (other - point.point).norm();
+             });
+    }
     const auto corner = static_cast<unsigned>(point.corner);
     const unsigned owned = host.surface->owned[static_cast<std::size_t>(point.triangle)];
     switch (point.kind) {
@@ -478,7 +520,7 @@ class Search {
         if (twin < 0) return true;
         const Vector n = unit_normal(host.triangle(twin / 3));
         const Vector along = host.position(twin / 3, (twin % 3 + 1) % 3) - host.position(twin / 3, twin % 3);
-        if (along.cross(n).normalized().dot(direction) < -region_slack) return false;
+        if (along.cross(n).normalized().dot(direction) < -round_slack) return false;
         return !host.solid || host.normal(point).dot(direction) > 0;
       }
       case SurfacePoint::Kind::vertex: break;
@@ -487,7 +529,7 @@ class Search {
     ContactVertex v;
     v.position = host.position(point.triangle, point.corner);
     v.side = 3 * point.triangle + point.corner;
-    return in_vertex_region(host, v, direction) && (!host.solid || host.normal(point).dot(direction) > 0);
+    return in_vertex_region(host, v, direction, round_slack) && (!host.solid || host.normal(point).dot(direction) > 0);
   }
 
   /// Edges that have passed each other count where nothing beside them has entered less deep: vertices tell depths
@@ -505,20 +547,32 @@ class Search {
         const bool vertex = other.feature >> 63 == 0;
         if (other.separation > (vertex ? 0.5 * reach : 0)) return false;
         if (!vertex && other.normal.dot(c.normal) > 0.5) return false;
-        if (vertex && other.separation > 0 && other.normal.dot(c.normal) < 0.5) return false;
-        return (other.point_a - c.point_a).norm() < reach;
+        const bool same_way = other.normal.dot(c.normal) > 0.5;
+        if (vertex && other.separation > 0 && !same_way) return false;
+        // Corners of large faces tell nothing of the edges that cross far from them.
+        const double far = vertex && same_way ? std::min(reach, -4 * c.separation) : reach;
+        return (other.point_a - c.point_a).norm() < far;
       };
-      if (std::none_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first), s_.candidates.end(), tells)) {
+      if (std::none_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first), s_.candidates.end(), tells) &&
+          holds(s_.b, c.point_a) && holds(s_.a, c.point_b)) {
         s_.candidates.push_back(c);
       }
     }
+  }
+  /// False for points outside a solid: edges on far sides of bodies that are apart seem to have passed each other, too.
+  bool holds(const ContactBody& body, const Vector& point) const {
+    SurfacePoint nearest;
+    const Vector p = body.inverse(point);
+    if (!body.solid || !nearest_point(*body.surface, p, std::numeric_limits<double>::infinity(), nearest)) return true;
+    return nearest.distance * body.scale <= 4 * error_ ||
+           feature_normal(*body.surface, *body.features, nearest).dot(p - nearest.point) <= 0;
   }
   static double length_of(const ContactBody& body, std::int32_t side) {
     return (body.position(side / 3, (side % 3 + 1) % 3) - body.position(side / 3, side % 3)).norm();
   }
 
   /// Pairs that touch in a way that no rule above expects get one contact of two triangles that touch.
-  void last_resort() {
+  void last_resort(std::size_t first) {
     for (const ContactScratch::LeafPair& pair : s_.leaf_pairs) {
       const ContactLeaf &a = s_.a.leaves[static_cast<std::size_t>(pair.a)],
                         &b = s_.b.leaves[static_cast<std::size_t>(pair.b)];
@@ -542,10 +596,10 @@ class Search {
           }
           c.feature = std::uint64_t{3} << 62 | static_cast<std::uint64_t>(s_.a.first_triangle + ta) << 31 |
                       static_cast<std::uint64_t>(s_.b.first_triangle + tb);
-          if (s_.candidates.empty() || s_.candidates.back().feature >> 62 != 3 ||
-              c.separation < s_.candidates.back().separation) {
-            if (!s_.candidates.empty() && s_.candidates.back().feature >> 62 == 3) s_.candidates.pop_back();
+          if (s_.candidates.size() == first) {
             s_.candidates.push_back(c);
+          } else if (c.separation < s_.candidates.back().separation) {
+            s_.candidates.back() = c;
           }
         }
       }
@@ -620,7 +674,9 @@ void ContactBody::add_edges(std::int32_t t, const TriangleD& corners, const Vect
     if (twin >= 0) {
       const Vector other = face_normal(twin / 3);
       const double bend = other.dot(out[0]);
-      if (solid ? bend <= flat_edge : std::abs(bend) <= flat_edge) continue;
+      // Edges of degenerate triangles may point anywhere.
+      const bool flat = (solid ? bend : std::abs(bend)) <= flat_edge;
+      if (flat && !normal.isZero() && !other.isZero()) continue;
       out[1] = other.cross(along) / length;
     }
     if (leaf.edge_blocks == 0 || edges.back().length.back() > 0) {

@@ -100,8 +100,9 @@ struct ContactScratch {
   std::vector<Located> located;
   std::vector<std::int32_t> queue;
   struct Patch {
-    Eigen::Vector3d area = Eigen::Vector3d::Zero();  ///< sum of the vectors of its vertices' areas
-    double size = 0;                                 ///< sum of their lengths
+    Eigen::Vector3d area = Eigen::Vector3d::Zero();    ///< sum of the vectors of its vertices' areas
+    double size = 0;                                   ///< sum of their lengths
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();  ///< sum of the sides of the query before
   };
   std::vector<Patch> patches;
 };

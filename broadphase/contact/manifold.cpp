@@ -9,6 +9,7 @@
 #include <encage/manifold.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -117,6 +118,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
                      ManifoldCache& cache, std::span<ManifoldPoint> points) {
   ManifoldCache::State& state = cache.state();
   if (!valid(options, points) || !is_usable(motion_a)) return 0;
+  if (!(std::abs(b.normal.norm() - 1) <= 1e-9) || !std::isfinite(b.offset)) return 0;
   auto& [search, reduction] = thread_scratch();
   search.candidates.clear();
   const double radii = options.radius_a + options.radius_b;

@@ -33,6 +33,13 @@ void visit_around(const SurfaceFeatures& features, std::int32_t triangle, int k,
     visit(side / 3);
     side = features.twin[static_cast<std::size_t>(side - side % 3 + (side + 2) % 3)];
   } while (side >= 0 && side / 3 != triangle);
+  if (side >= 0) return;
+  // A boundary: the rest lies the other way round. The twin of the side that begins at the vertex ends there.
+  side = features.twin[static_cast<std::size_t>(3 * triangle + k)];
+  while (side >= 0 && side / 3 != triangle) {
+    visit(side / 3);
+    side = features.twin[static_cast<std::size_t>(side - side % 3 + (side + 1) % 3)];
+  }
 }
 
 }  // namespace encage
