@@ -61,6 +61,7 @@ bool run_scenes(const SceneArguments& a) {
       if (method->name() == own_method) holds &= result.methods.back().holds();
     }
     print(std::cout, result);
+    std::cout.flush();  // a heap takes minutes
     json["scenes"][name] = to_json(result);
   }
   for (const auto& method : methods) json["methods"][method->name()] = method->description();

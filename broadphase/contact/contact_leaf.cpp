@@ -30,6 +30,10 @@ HWY_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) {
 HWY_INLINE Vec dot(const Vec3& a, const Vec3& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
+HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
 HWY_INLINE Vec3 load(const ContactLeaf::Vectors& v, std::size_t first) {
   const Lanes d;
   return {hn::Load(d, v[0].data() + first), hn::Load(d, v[1].data() + first), hn::Load(d, v[2].data() + first)};
@@ -127,6 +131,25 @@ std::uint32_t touching(const ContactLeaf& a, std::size_t lane, const ContactLeaf
 
 }  // namespace
 
+std::uint32_t edges_may_meet(const ContactEdges& a, int lane, const ContactEdges& b, double slack) {
+  const Lanes d;
+  const auto at = static_cast<std::size_t>(lane);
+  const Vec3 u = repeat({a.along[0][at], a.along[1][at], a.along[2][at]});
+  const auto slack_a = hn::Set(d, slack * a.length[at]);
+  std::uint32_t result = 0;
+  for (std::size_t first = 0; first < static_cast<std::size_t>(ContactEdges::width); first += hn::Lanes(d)) {
+    const Vec3 n = cross(u, load(b.along, first));
+    const auto gap = hn::Mul(slack_a, hn::LoadU(d, b.length.data() + first));
+    const auto p = dot(n, load(b.out[0], first)), q = dot(n, load(b.out[1], first));
+    const auto meet =
+        hn::And(hn::Gt(gap, hn::Zero(d)), hn::Or(hn::Ge(hn::Min(p, q), hn::Neg(gap)), hn::Le(hn::Max(p, q), gap)));
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, meet, bits);
+    result |= static_cast<std::uint32_t>(bits[0]) << first;
+  }
+  return result;
+}
+
 std::uint32_t may_touch(const ContactLeaf& a, int lane, const ContactLeaf& b, double slack) {
   return touching(a, static_cast<std::size_t>(lane), b, slack);
 }
@@ -139,16 +162,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace encage {
 
-void ContactLeaf::set(int lane, std::int32_t number, const std::array<Eigen::Vector3d, 3>& corners) {
+void ContactLeaf::set(int lane, std::int32_t number, const std::array<Eigen::Vector3d, 3>& corners,
+                      const Eigen::Vector3d& n) {
   const auto at = static_cast<std::size_t>(lane);
   const auto store = [&](Vectors& out, const Eigen::Vector3d& v) {
     for (std::size_t i = 0; i < 3; ++i) out[i][at] = v[static_cast<Eigen::Index>(i)];
   };
-  Eigen::Vector3d n = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-  const double length = n.norm();
-  n = length > 0 ? Eigen::Vector3d(n / length) : Eigen::Vector3d::Zero();
   store(normal, n);
-  bias[at] = length > 0 ? 0 : -2;
+  bias[at] = n.isZero(0) ? -2 : 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const Eigen::Vector3d along = corners[(k + 1) % 3] - corners[k];
     const double squared = along.squaredNorm();
@@ -160,8 +181,13 @@ void ContactLeaf::set(int lane, std::int32_t number, const std::array<Eigen::Vec
   triangle[at] = number;
 }
 
+HWY_EXPORT(edges_may_meet);
 HWY_EXPORT(may_touch);
 HWY_EXPORT(note_nearest);
+
+std::uint32_t edges_may_meet(const ContactEdges& a, int lane, const ContactEdges& b, double slack) {
+  return HWY_DYNAMIC_DISPATCH(edges_may_meet)(a, lane, b, slack);
+}
 
 std::uint32_t may_touch(const ContactLeaf& a, int lane, const ContactLeaf& b, double slack) {
   return HWY_DYNAMIC_DISPATCH(may_touch)(a, lane, b, slack);

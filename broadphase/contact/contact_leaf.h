@@ -27,10 +27,24 @@ struct ContactLeaf {
   std::int32_t count = 0;
   std::array<std::int32_t, width> triangle{};
   std::int32_t first_vertex = 0, vertex_count = 0;  ///< among the vertices of the query that triangles of it own
-  std::int32_t first_edge = 0, edge_count = 0;
+  std::int32_t first_edges = 0, edge_blocks = 0;
 
-  /// Sets a lane. Unused lanes must repeat a triangle.
-  void set(int lane, std::int32_t number, const std::array<Eigen::Vector3d, 3>& corners);
+  /// Sets a lane, given the unit normal, or 0 for a degenerate triangle. Unused lanes must repeat a triangle.
+  void set(int lane, std::int32_t number, const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& n);
+};
+
+/// Edges that can meet edges of the other body, side by side, in the common frame.
+struct ContactEdges {
+  static constexpr int width = 4;
+  using Vectors = std::array<std::array<double, width>, 3>;  ///< [coordinate]
+
+  alignas(32) Vectors along{};
+  /// In the plane of each of its triangles, out of the triangle, unit length; 0 if there is no triangle. Directions of
+  /// non-negative products with both, at right angles to the edge, lead to points whose nearest feature is the edge.
+  alignas(32) std::array<Vectors, 2> out{};
+  alignas(32) Vectors start{};
+  std::array<double, width> length{};      ///< 0 in unused lanes
+  std::array<std::int32_t, width> side{};  ///< 3 t + k
 };
 
 /// A vertex of one body, and the nearest triangles of the other one found so far.
@@ -47,6 +61,10 @@ struct ContactVertex {
 
 /// Lets every vertex know of the triangles of a leaf. The result is the same on every instruction set.
 void note_nearest(const ContactLeaf& leaf, std::span<ContactVertex> vertices);
+
+/// Returns the bits of the edges of `b` that may have a common perpendicular with edge `lane` of `a` that lies in b's
+/// region, up to `slack` radians.
+std::uint32_t edges_may_meet(const ContactEdges& a, int lane, const ContactEdges& b, double slack);
 
 /// Returns the bits of the triangles of `b` that may touch triangle `lane` of `a`: all but those that an axis of
 /// coordinates or the plane of one of the two triangles separates. `slack` covers rounding.

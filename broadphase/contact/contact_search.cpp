@@ -28,8 +28,9 @@ constexpr double region_slack = 1e-3;
 constexpr double round_slack = 1e-7;
 /// Least ratio of the length of a patch's vector area to its area at which the vector tells the side it entered by.
 constexpr double coherent = 0.85;
-/// Sine of the angle between the triangles of an edge below which the edge counts as flat.
-constexpr double flat_edge = 1e-7;
+/// Sine of the angle between the triangles of an edge below which the edge counts as flat: normals are rounded to
+/// float.
+constexpr double flat_edge = 1e-6;
 /// Vertices that are searched for inwards, of one body of a pair. What is deeper counts no more.
 constexpr std::size_t most_flooded = 4096;
 
@@ -84,8 +85,14 @@ class Search {
                       &b = s_.b.leaves[static_cast<std::size_t>(index_b)];
     note_nearest(b, vertices(s_.a, a));
     note_nearest(a, vertices(s_.b, b));
-    for (const ContactEdge& ea : edges(s_.a, a)) {
-      for (const ContactEdge& eb : edges(s_.b, b)) edge_pair(ea, eb);
+    for (const ContactEdges& of_a : edges(s_.a, a)) {
+      for (const ContactEdges& of_b : edges(s_.b, b)) {
+        for (int i = 0; i < ContactEdges::width && of_a.length[static_cast<std::size_t>(i)] > 0; ++i) {
+          for (std::uint32_t left = edges_may_meet(of_a, i, of_b, region_slack); left != 0; left &= left - 1) {
+            edge_pair({of_a, i}, {of_b, __builtin_ctz(left)});
+          }
+        }
+      }
     }
     if (s_.a.round) local_minima(s_.a, a, s_.b, b, true);
     if (s_.b.round) local_minima(s_.b, b, s_.a, a, false);
@@ -95,18 +102,36 @@ class Search {
     return std::span(body.vertices)
         .subspan(static_cast<std::size_t>(leaf.first_vertex), static_cast<std::size_t>(leaf.vertex_count));
   }
-  static std::span<const ContactEdge> edges(const ContactBody& body, const ContactLeaf& leaf) {
+  static std::span<const ContactEdges> edges(const ContactBody& body, const ContactLeaf& leaf) {
     return std::span(body.edges)
-        .subspan(static_cast<std::size_t>(leaf.first_edge), static_cast<std::size_t>(leaf.edge_count));
+        .subspan(static_cast<std::size_t>(leaf.first_edges), static_cast<std::size_t>(leaf.edge_blocks));
   }
 
+  /// One of ContactEdges.
+  struct Edge {
+    Vector start, along;
+    std::array<Vector, 2> out;
+    double length;
+    std::int32_t side;
+
+    Edge(const ContactEdges& edges, int lane) {
+      const auto at = static_cast<std::size_t>(lane);
+      const auto vector = [&](const ContactEdges::Vectors& v) { return Vector(v[0][at], v[1][at], v[2][at]); };
+      start = vector(edges.start);
+      along = vector(edges.along);
+      out = {vector(edges.out[0]), vector(edges.out[1])};
+      length = edges.length[at];
+      side = edges.side[at];
+    }
+  };
+
   /// True if `direction`, at right angles to the edge, stays in its region.
-  static bool in_region(const ContactEdge& edge, const Vector& direction, double slack) {
+  static bool in_region(const Edge& edge, const Vector& direction, double slack) {
     return edge.out[0].dot(direction) >= -slack && edge.out[1].dot(direction) >= -slack;
   }
 
   /// Two edges meet if a common perpendicular leads from b's edge outwards, and back to a's (Gauss map).
-  void edge_pair(const ContactEdge& a, const ContactEdge& b) {
+  void edge_pair(const Edge& a, const Edge& b) {
     Vector n = a.along.cross(b.along);
     const double length = n.norm(), slack = region_slack * length;
     if (!(length > 1e-4 * a.length * b.length)) return;
@@ -209,12 +234,10 @@ class Search {
     bool open = false;
     for (const ContactScratch::LeafPair& pair : s_.leaf_pairs) {
       const std::int32_t on_guest = guest_is_a ? pair.a : pair.b, on_host = guest_is_a ? pair.b : pair.a;
-      if (on_guest != last) {
-        last = on_guest;
-        open = has_unlocated(guest, guest.leaves[static_cast<std::size_t>(on_guest)]);
-      }
-      if (!open) continue;
       const ContactLeaf& leaf = guest.leaves[static_cast<std::size_t>(on_guest)];
+      if (on_guest != last) open = has_unlocated(guest, leaf);
+      last = on_guest;
+      if (!open) continue;
       const ContactLeaf& other = host.leaves[static_cast<std::size_t>(on_host)];
       for (int i = 0; i < leaf.count; ++i) {
         std::uint32_t left = may_touch(leaf, i, other, error_);
@@ -229,10 +252,10 @@ class Search {
             if (v >= s_.located.size()) s_.located.resize(v + 1);
             if (s_.located[v].where == Where::unknown) locate_anywhere(host, guest.vertices[v], s_.located[v]);
           }
+          open = has_unlocated(guest, leaf);
           break;
         }
       }
-      open = has_unlocated(guest, guest.leaves[static_cast<std::size_t>(on_guest)]);
     }
   }
 
@@ -327,7 +350,7 @@ class Search {
   /// would point askew next to bodies that rest on a plane.
   static bool may_point(const ContactBody& guest, const ContactBody& host, const ContactVertex& v,
                         const SurfacePoint& nearest, const Vector& normal) {
-    const bool upright = std::abs(unit_normal(host.triangle(nearest.triangle)).dot(normal)) > 1 - 1e-9;
+    const bool upright = std::abs(host.face_normal(nearest.triangle).dot(normal)) > 1 - 1e-9;
     return (upright && faces(guest, v, normal)) || in_vertex_region(guest, v, -normal);
   }
   static bool faces(const ContactBody& guest, const ContactVertex& v, const Vector& normal) {
@@ -631,7 +654,8 @@ void ContactBody::place(const MovingPart& moving, const AffineMap& to_common, st
   surface = &moving.shape->fine;
   features = &moving.shape->features();
   scale = moving.motion.scale;
-  map = {scale * to_common.linear, to_common.offset};
+  rotation = to_common.linear;
+  map = {scale * rotation, to_common.offset};
   inverse.linear = map.linear.inverse();
   inverse.offset = -(inverse.linear * map.offset);
   solid = interior(*moving.shape) == Interior::enclosed;
@@ -644,7 +668,7 @@ void ContactBody::place(const MovingPart& moving, const AffineMap& to_common, st
 std::int32_t ContactBody::add_vertex(std::int32_t t, int corner) {
   const std::int32_t v = vertex_number(t, corner);
   ContactVertex entry;
-  entry.position = map(surface->vertex(v));
+  entry.position = located(v);
   entry.normal =
       solid ? direction(features->vertex_normal[static_cast<std::size_t>(v)].cast<double>()) : Vector::Zero();
   entry.most_cosine = entry.normal.isZero() ? 2 : facing_cosine;
@@ -660,30 +684,40 @@ std::int32_t ContactBody::vertex(std::int32_t t, int corner) {
   return index;
 }
 
-void ContactBody::add_edges(std::int32_t t, unsigned owned) {
-  if ((owned >> 3 & 7U) == 0) return;
-  const TriangleD own = triangle(t);
-  const Vector normal = unit_normal(own);
+void ContactBody::add_edges(std::int32_t t, const TriangleD& corners, const Vector& normal, unsigned owned,
+                            ContactLeaf& leaf) {
   for (int k = 0; k < 3; ++k) {
     if ((owned >> (3 + k) & 1U) == 0) continue;
-    ContactEdge edge;
-    edge.start = own[static_cast<std::size_t>(k)];
-    edge.along = own[static_cast<std::size_t>((k + 1) % 3)] - edge.start;
-    edge.length = edge.along.norm();
-    if (!(edge.length > 0)) continue;
-    edge.side = 3 * t + k;
-    edge.out[0] = edge.along.cross(normal) / edge.length;
-    edge.out[1].setZero();
-    const std::int32_t twin = features->twin[static_cast<std::size_t>(edge.side)];
+    const Vector start = corners[static_cast<std::size_t>(k)];
+    const Vector along = corners[static_cast<std::size_t>((k + 1) % 3)] - start;
+    const double length = along.norm();
+    if (!(length > 0)) continue;
+    std::array<Vector, 2> out = {along.cross(normal) / length, Vector::Zero()};
+    const std::int32_t side = 3 * t + k, twin = features->twin[static_cast<std::size_t>(side)];
     if (twin >= 0) {
-      const Vector other = unit_normal(triangle(twin / 3));
-      const double bend = other.dot(edge.out[0]);
+      const Vector other = face_normal(twin / 3);
+      const double bend = other.dot(out[0]);
       // Edges of two coincident or degenerate triangles are as sharp as can be.
       const bool folded = std::abs(bend) <= flat_edge && normal.dot(other) <= 0;
       if ((solid ? bend : std::abs(bend)) <= flat_edge && !folded) continue;
-      edge.out[1] = -edge.along.cross(other) / edge.length;
+      out[1] = other.cross(along) / length;
     }
-    edges.push_back(edge);
+    if (leaf.edge_blocks == 0 || edges.back().length.back() > 0) {
+      edges.emplace_back();
+      ++leaf.edge_blocks;
+    }
+    ContactEdges& block = edges.back();
+    const auto lane =
+        static_cast<std::size_t>(std::find(block.length.begin(), block.length.end(), 0.0) - block.length.begin());
+    const auto store = [&](ContactEdges::Vectors& to, const Vector& v) {
+      for (std::size_t i = 0; i < 3; ++i) to[i][lane] = v[static_cast<Eigen::Index>(i)];
+    };
+    store(block.start, start);
+    store(block.along, along);
+    store(block.out[0], out[0]);
+    store(block.out[1], out[1]);
+    block.length[lane] = length;
+    block.side[lane] = side;
   }
 }
 
@@ -695,10 +729,12 @@ std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
   ContactLeaf& leaf = leaves.back();
   leaf.count = count;
   leaf.first_vertex = static_cast<std::int32_t>(vertices.size());
-  leaf.first_edge = static_cast<std::int32_t>(edges.size());
+  leaf.first_edges = static_cast<std::int32_t>(edges.size());
   for (int lane = 0; lane < ContactLeaf::width; ++lane) {
     const std::int32_t t = surface->tree.leaves[static_cast<std::size_t>(first + std::min(lane, count - 1))].triangle;
-    leaf.set(lane, t, triangle(t));
+    const TriangleD corners = triangle(t);
+    const Vector normal = face_normal(t);
+    leaf.set(lane, t, corners, normal);
     if (lane >= count) continue;
     const unsigned owned = surface->owned[static_cast<std::size_t>(t)];
     for (int k = 0; k < 3; ++k) {
@@ -706,10 +742,9 @@ std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
       vertex_index[vertex_number(t, k)] = add_vertex(t, k);
       ++leaf.vertex_count;
     }
-    add_edges(t, owned);
+    add_edges(t, corners, normal, owned, leaf);
   }
-  leaf.edge_count = static_cast<std::int32_t>(edges.size()) - leaf.first_edge;
-  return static_cast<std::int32_t>(leaves.size()) - 1;
+  return index;
 }
 
 void find_contacts(ContactScratch& scratch, const PairMotion& motion, double limit, double error,

@@ -24,16 +24,6 @@ struct ContactSide {
   Eigen::Vector3f normal;  ///< of the body that was entered, outward, in its local frame
 };
 
-/// An edge that can meet another edge, in the common frame.
-struct ContactEdge {
-  Eigen::Vector3d start, along;
-  /// In the plane of each of its triangles, out of the triangle, unit length; 0 if there is no triangle. Directions of
-  /// non-negative products with both, at right angles to the edge, lead to points whose nearest feature is the edge.
-  std::array<Eigen::Vector3d, 2> out;
-  double length;
-  std::int32_t side;  ///< 3 t + k
-};
-
 /// One body of a pair while contacts are searched. It keeps its memory from query to query.
 struct ContactBody {
   const Surface* surface = nullptr;
@@ -41,14 +31,15 @@ struct ContactBody {
   AffineMap map, inverse;  ///< from the local frame to the common one, scale included, and back
   AffineMap step;          ///< positions at the start to those at the end, seen from the other body
   double scale = 1;
-  bool solid = true;   ///< otherwise the body is its surface alone, and contacts are two-sided
-  bool round = false;  ///< of degenerate triangles only: the core of a sphere or a capsule
+  Eigen::Matrix3d rotation;  ///< map without the scale
+  bool solid = true;         ///< otherwise the body is its surface alone, and contacts are two-sided
+  bool round = false;        ///< of degenerate triangles only: the core of a sphere or a capsule
   std::int32_t first_vertex = 0, first_triangle = 0, part = 0;
 
   IndexMap leaf_index, vertex_index;
   std::vector<ContactLeaf> leaves;
   std::vector<ContactVertex> vertices;
-  std::vector<ContactEdge> edges;
+  std::vector<ContactEdges> edges;
 
   void place(const MovingPart& moving, const AffineMap& to_common, std::int32_t number);
   /// Returns how far a point of the body, in the common frame, moves during the step, seen from the other body.
@@ -63,14 +54,19 @@ struct ContactBody {
     return static_cast<std::int32_t>(
         surface->mesh.triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(corner)]);
   }
-  Eigen::Vector3d position(std::int32_t triangle, int corner) const {
-    return map(surface->vertex(vertex_number(triangle, corner)));
+  Eigen::Vector3d located(std::int32_t vertex) const {
+    return map.linear.lazyProduct(surface->vertex(vertex)) + map.offset;
   }
+  Eigen::Vector3d position(std::int32_t triangle, int corner) const { return located(vertex_number(triangle, corner)); }
   TriangleD triangle(std::int32_t t) const { return {position(t, 0), position(t, 1), position(t, 2)}; }
   /// Turns a direction of the local frame.
-  Eigen::Vector3d direction(const Eigen::Vector3d& local) const { return map.linear * local / scale; }
+  Eigen::Vector3d direction(const Eigen::Vector3d& local) const { return rotation.lazyProduct(local); }
   Eigen::Vector3d local_direction(const Eigen::Vector3d& common) const {
-    return map.linear.transpose() * common / scale;
+    return rotation.transpose().lazyProduct(common);
+  }
+  /// Unit normal of a triangle, rounded to float; 0 if it is degenerate.
+  Eigen::Vector3d face_normal(std::int32_t t) const {
+    return direction(features->face_normal[static_cast<std::size_t>(t)].cast<double>());
   }
   Eigen::Vector3d normal(const SurfacePoint& point) const {
     return direction(feature_normal(*surface, *features, point));
@@ -78,7 +74,8 @@ struct ContactBody {
 
  private:
   std::int32_t add_vertex(std::int32_t triangle, int corner);
-  void add_edges(std::int32_t triangle, unsigned owned);
+  void add_edges(std::int32_t triangle, const TriangleD& corners, const Eigen::Vector3d& normal, unsigned owned,
+                 ContactLeaf& leaf);
 };
 
 /// Working memory of contact_manifold(), of one thread.

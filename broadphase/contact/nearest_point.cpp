@@ -130,12 +130,15 @@ Vector feature_normal(const MeshArraysView& surface, const SurfaceFeatures& feat
     }
     case SurfacePoint::Kind::edge: {
       const std::int32_t twin = features.twin[static_cast<std::size_t>(3 * point.triangle + point.corner)];
-      const Vector own = unit_normal(corners(mesh, point.triangle));
-      return twin < 0 ? own : Vector((own + unit_normal(corners(mesh, twin / 3))).stableNormalized());
+      const auto normal = [&](std::int32_t t) {
+        return features.face_normal[static_cast<std::size_t>(t)].cast<double>();
+      };
+      if (twin < 0) break;
+      return (normal(point.triangle) + normal(twin / 3)).normalized();
     }
     case SurfacePoint::Kind::face: break;
   }
-  return unit_normal(corners(mesh, point.triangle));
+  return features.face_normal[static_cast<std::size_t>(point.triangle)].cast<double>();
 }
 
 }  // namespace encage

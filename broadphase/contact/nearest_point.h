@@ -32,7 +32,7 @@ bool nearest_point(const MeshArraysView& surface, const Eigen::Vector3d& p, doub
                    const NormalFilter& filter = {});
 
 /// Unit normal of the feature, outward if the surface is closed: of a face, the sum of both faces of an edge, or a
-/// vertex's. 0 for degenerate features.
+/// vertex's, rounded to float. 0 for degenerate features.
 Eigen::Vector3d feature_normal(const MeshArraysView& surface, const SurfaceFeatures& features,
                                const SurfacePoint& point);
 

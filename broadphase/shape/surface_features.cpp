@@ -51,11 +51,13 @@ std::vector<std::int32_t> find_twins(const MeshView& mesh) {
 SurfaceFeatures make_surface_features(const MeshView& mesh) {
   SurfaceFeatures features;
   features.twin = find_twins(mesh);
+  features.face_normal.reserve(mesh.triangles.size());
   std::vector<Vector> sums(mesh.vertices.size(), Vector::Zero());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::array<Vector, 3> c;
     for (std::size_t k = 0; k < 3; ++k) c[k] = vertex(mesh, mesh.triangles[t][k]);
     const Vector n = (c[1] - c[0]).cross(c[2] - c[0]).stableNormalized();
+    features.face_normal.push_back(n.cast<float>());
     for (std::size_t k = 0; k < 3; ++k) {
       sums[mesh.triangles[t][k]] += angle(c[(k + 1) % 3] - c[k], c[(k + 2) % 3] - c[k]) * n;
     }

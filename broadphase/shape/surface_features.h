@@ -15,6 +15,7 @@ namespace encage {
 /// outside.
 struct SurfaceFeatures {
   std::vector<std::int32_t> twin;  ///< of side 3 t + k, corners k and k + 1: the side opposite; -1 unless there is one
+  std::vector<Eigen::Vector3f> face_normal;  ///< per triangle, unit length; 0 if it is degenerate
   /// Per vertex, unit length: the normals of its triangles weighted by their angles there. The surface's nearest point
   /// is a vertex only for points whose side this normal tells (Baerentzen and Aanaes 2005). 0 where triangles cancel.
   std::vector<Eigen::Vector3f> vertex_normal;
