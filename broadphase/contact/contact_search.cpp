@@ -486,7 +486,7 @@ class Search {
     // little.
     Vector side = Vector::Zero();
     if (const Vector* const before = side_before(feature)) side = host.direction(*before);
-    if (located.patch >= 0) side += s_.patches[static_cast<std::size_t>(located.patch)].before.stableNormalized();
+    if (located.patch >= 0) side += 2 * s_.patches[static_cast<std::size_t>(located.patch)].before.stableNormalized();
     side.stableNormalize();
     if (face().dot(side) < -facing_cosine && !side.isZero()) search(-side, facing_cosine);
     Vector normal = face();
