@@ -12,12 +12,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <functional>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <random>
+#include <set>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -429,6 +430,37 @@ TEST(Manifold, BoxesOverlappingFarGetTheFaceTheyCameThrough) {
     EXPECT_GE(along(points, up), 1);
     EXPECT_NEAR(least_separation(points), -overlap, 1e-9);
   }
+}
+
+// ---- Bodies that move ----
+
+TEST(Manifold, BodiesThatApproachGetPointsBeforeTheyTouch) {
+  const ShapePtr cube = make_shape(shapes::cube(1)), other = make_shape(shapes::cube(2));
+  ManifoldPoint room[16];
+  const auto ask = [&](const Motion& a, const Motion& b) {
+    ManifoldCache cache;
+    return Points(room, room + contact_manifold(*cube, a, *other, b, {.margin = 0.01}, cache, room));
+  };
+  // The gap is 0.5 at the start, and less than the margin at the end or not.
+  const Motion falling{shift(0.1, 0.2, 3.5), shift(0.1, 0.2, 2.9)},
+      short_of{shift(0.1, 0.2, 3.5), shift(0.1, 0.2, 3.02)}, rising{shift(0.1, 0.2, 3.5), shift(0.1, 0.2, 4)}, rest;
+  Points points = ask(falling, rest);
+  EXPECT_GE(points.size(), 3U);
+  expect_all(points, up, 0.5, 1e-9);
+  EXPECT_NEAR(spanned(points, up), 4, 1e-9);
+  EXPECT_TRUE(ask(short_of, rest).empty());
+  EXPECT_TRUE(ask(rising, rest).empty());
+  // Only relative motion counts.
+  const Motion fast{shift(0.1, 0.2, 3.5), shift(5.1, 0.2, 8.5)}, away{shift(0, 0, 0), shift(5, 0, 5)},
+      after{shift(0, 0, 0), shift(0, 0, 0.6)};
+  EXPECT_TRUE(ask(fast, away).empty());
+  points = ask(at(0.1, 0.2, 3.5), after);
+  EXPECT_GE(points.size(), 3U);
+  expect_all(points, up, 0.5, 1e-9);
+  ManifoldCache cache;
+  EXPECT_EQ(contact_manifold(*cube, falling, HalfSpace{up, 2}, {.margin = 0.01}, cache, room), 4);
+  expect_all({room, room + 4}, up, 0.5, 1e-9);
+  EXPECT_EQ(contact_manifold(*cube, short_of, HalfSpace{up, 2}, {.margin = 0.01}, cache, room), 0);
 }
 
 // ---- Half-spaces -----------------------------------------------------------------
