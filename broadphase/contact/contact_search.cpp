@@ -31,6 +31,8 @@ constexpr double coherent = 0.85;
 /// Sine of the angle between the triangles of an edge below which the edge counts as flat: normals are rounded to
 /// float.
 constexpr double flat_edge = 1e-6;
+/// Cosine of the angle between the faces of an edge that approximates a smooth surface.
+constexpr double blunt_cosine = 0.85;
 /// Vertices that are searched for inwards, of one body of a pair. What is deeper counts no more.
 constexpr std::size_t most_flooded = 4096;
 
@@ -179,7 +181,8 @@ class Search {
     if (c.separation >= 0) {
       s_.candidates.push_back(c);
     } else if (c.separation > -depth) {
-      s_.crossings.push_back({c, a.side, b.side});
+      const auto blunt = [](const ContactEdge& edge) { return -edge.out[0].dot(edge.out[1]) > blunt_cosine; };
+      s_.crossings.push_back({c, a.side, b.side, blunt(a) && blunt(b)});
     }
   }
 
@@ -711,8 +714,8 @@ class Search {
         if (!vertex && other.normal.dot(c.normal) > 0.5) return false;
         const bool same_way = other.normal.dot(c.normal) > 0.5;
         if (vertex && other.separation > 0 && !same_way) return false;
-        // Corners of large faces tell nothing of the edges that cross far from them.
-        const double far = vertex && same_way ? std::min(reach, -4 * c.separation) : reach;
+        // Corners tell nothing of sharp edges that cross far from them; vertices of smooth surfaces do.
+        const double far = vertex && same_way && !crossing.blunt ? std::min(reach, -4 * c.separation) : reach;
         return (other.point_a - c.point_a).norm() < far;
       };
       if (std::none_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first), s_.candidates.end(), tells) &&

@@ -123,6 +123,7 @@ struct ContactScratch {
   struct Crossing {
     ContactCandidate contact;
     std::int32_t edge_a, edge_b;
+    bool blunt;  ///< both edges are parts of smooth surfaces
   };
   std::vector<Crossing> crossings;  ///< edges that have passed each other
   enum class Where : std::uint8_t { unknown, outside, inside };
