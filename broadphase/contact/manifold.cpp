@@ -81,7 +81,7 @@ double drift_ahead(const ContactScratch& search) {
 constexpr double slow_margins = 8;
 /// Margins by which bodies may move before what is remembered of them gets useless. A larger number costs time in the
 /// steps that remember, and saves some of them.
-constexpr double memory_margins = 2;
+constexpr double memory_margins = 1;
 
 void search_with_memory(ContactScratch& search, const ContactQuery& query, double margin, ContactMemory& memory) {
   const double ahead = drift_ahead(search);
