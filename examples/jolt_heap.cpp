@@ -53,8 +53,10 @@ int run(const char* asset, int count, double seconds) {
   for (int i = 0; i < count; ++i) {
     const JPH::Vec3 at(0.3F * radius * static_cast<float>(i % 2), 0, radius * static_cast<float>(3 + 2 * i));
     const JPH::Quat turn = JPH::Quat::sEulerAngles({0.7F * static_cast<float>(i), static_cast<float>(i), 0});
-    ids.push_back(
-        bodies.CreateAndAddBody(mesh.body_settings(JPH::RVec3(at), turn, 0, 1000), JPH::EActivation::Activate));
+    // Positions are those of the frame, and the centre of mass may be elsewhere in it.
+    const JPH::RVec3 position(at - turn * mesh.jolt_shape()->GetCenterOfMass());
+    const JPH::BodyCreationSettings body = mesh.body_settings(position, turn, 0, 1000);
+    ids.push_back(bodies.CreateAndAddBody(body, JPH::EActivation::Activate));
   }
   for (int step = 0; step < static_cast<int>(60 * seconds); ++step) system.Update(1 / 60.F, 1, &memory, &jobs);
 

@@ -253,7 +253,7 @@ TEST_F(JoltContactsTest, CompoundsAndScaledShapes) {
   JPH::StaticCompoundShapeSettings compound;
   compound.SetEmbedded();
   for (const float x : {-1.F, 1.F}) compound.AddShape({x, 0, 0}, JPH::Quat::sIdentity(), mesh.jolt_shape());
-  compound.AddShape({0, 0, 0.2F}, JPH::Quat::sIdentity(), new JPH::BoxShape(JPH::Vec3(1, 0.1F, 0.1F)));
+  compound.AddShape({0, 0, 0.2F}, JPH::Quat::sIdentity(), new JPH::BoxShape(JPH::Vec3(1, 0.3F, 0.1F)));
   const JPH::Ref<JPH::Shape> dumbbell = compound.Create().Get();
   const JPH::Ref<JPH::Shape> half = new JPH::ScaledShape(mesh.jolt_shape(), JPH::Vec3::sReplicate(0.5F));
 
@@ -266,11 +266,11 @@ TEST_F(JoltContactsTest, CompoundsAndScaledShapes) {
     settings.mMassPropertiesOverride = mesh.mass_properties(1);
     return world.add(settings);
   };
-  const JPH::BodyID lower = add(dumbbell, {0, 0, 0.55F}), upper = add(half, {1, 0, 1.4F}), ball = [&] {
-    JPH::BodyCreationSettings settings(new JPH::SphereShape(0.1F), JPH::RVec3(0, 0, 1), JPH::Quat::sIdentity(),
-                                       JPH::EMotionType::Dynamic, 0);
-    return world.add(settings);
-  }();
+  const JPH::BodyID lower = add(dumbbell, {0, 0, 0.55F}), upper = add(half, {1, 0, 1.4F});
+  const JPH::Ref<JPH::SphereShape> sphere = new JPH::SphereShape(0.1F);
+  sphere->SetDensity(10);
+  const JPH::BodyID ball = world.add(
+      JPH::BodyCreationSettings(sphere, JPH::RVec3(0, 0, 1), JPH::Quat::sIdentity(), JPH::EMotionType::Dynamic, 0));
   world.run(3);
   EXPECT_TRUE(world.contacts->take_errors().empty());
   EXPECT_NEAR(world.position(lower).z(), 0.5, 3e-3);
