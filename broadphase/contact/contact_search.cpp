@@ -31,6 +31,8 @@ constexpr double coherent = 0.85;
 /// Sine of the angle between the triangles of an edge below which the edge counts as flat: normals are rounded to
 /// float.
 constexpr double flat_edge = 1e-6;
+/// Cosine of the angle between the faces of an edge that approximates a smooth surface.
+constexpr double blunt_cosine = 0.85;
 /// Vertices that are searched for inwards, of one body of a pair. What is deeper counts no more.
 constexpr std::size_t most_flooded = 4096;
 
@@ -42,11 +44,14 @@ std::uint64_t vertex_feature(const ContactBody& guest, const ContactBody& host, 
 
 class Search {
  public:
-  Search(ContactScratch& scratch, const PairMotion& motion, double limit, double error,
-         std::span<const ContactSide> sides, std::vector<ContactSide>& new_sides)
-      : s_(scratch), motion_(motion), limit_(limit), error_(error), sides_(sides), new_sides_(new_sides) {}
-
-  void run() {
+  Search(ContactScratch& scratch, const ContactQuery& query, ContactMemory* memory)
+      : s_(scratch),
+        motion_(query.motion),
+        limit_(query.limit),
+        error_(query.error),
+        sides_(query.sides),
+        new_sides_(query.new_sides),
+        memory_(memory) {
     s_.leaf_pairs.clear();
     s_.crossings.clear();
     for (ContactBody* body : {&s_.a, &s_.b}) {
@@ -56,10 +61,16 @@ class Search {
       body->vertices.clear();
       body->edges.clear();
     }
+    if (memory == nullptr || memory->reach <= 0) return;
+    wide_ = limit_ + memory->reach;
+    turn_ = memory->reach / std::min(s_.a.scale * s_.a.surface->radius, s_.b.scale * s_.b.surface->radius);
+  }
+
+  void run() {
     const std::size_t first = s_.candidates.size();
     const Surface &a = *s_.a.surface, &b = *s_.b.surface;
     const BoxGate gate(motion_, {a.radius, a.tree.grid, s_.a.scale}, {b.radius, b.tree.grid, s_.b.scale},
-                       limit_ + error_);
+                       wide_ + error_);
     visit_leaf_pairs(
         a.tree, b.tree, gate,
         [](void* self, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
@@ -77,6 +88,18 @@ class Search {
     if (s_.candidates.size() == first) last_resort(first);
   }
 
+  void run_again(const ContactMemory& memory) {
+    again_ = true;
+    const std::size_t first = s_.candidates.size();
+    again(s_.a, s_.b, true, memory.vertices_a);
+    again(s_.b, s_.a, false, memory.vertices_b);
+    for (const ContactMemory::Edges& pair : memory.edges) {
+      ContactEdge a, b;
+      if (edge_at(s_.a, pair.a, a) && edge_at(s_.b, pair.b, b)) edge_pair(a, b);
+    }
+    add_crossings(first);
+  }
+
  private:
   void leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
     const std::int32_t index_a = s_.a.leaf(first_a, count_a), index_b = s_.b.leaf(first_b, count_b);
@@ -88,8 +111,8 @@ class Search {
     for (const ContactEdges& of_a : edges(s_.a, a)) {
       for (const ContactEdges& of_b : edges(s_.b, b)) {
         for (int i = 0; i < ContactEdges::width && of_a.length[static_cast<std::size_t>(i)] > 0; ++i) {
-          for (std::uint32_t left = edges_may_meet(of_a, i, of_b, region_slack); left != 0; left &= left - 1) {
-            edge_pair({of_a, i}, {of_b, __builtin_ctz(left)});
+          for (std::uint32_t left = edges_may_meet(of_a, i, of_b, region_slack + turn_); left != 0; left &= left - 1) {
+            edge_pair(edge_in(of_a, i), edge_in(of_b, __builtin_ctz(left)));
           }
         }
       }
@@ -107,41 +130,45 @@ class Search {
         .subspan(static_cast<std::size_t>(leaf.first_edges), static_cast<std::size_t>(leaf.edge_blocks));
   }
 
-  /// One of ContactEdges.
-  struct Edge {
-    Vector start, along;
-    std::array<Vector, 2> out;
-    double length;
-    std::int32_t side;
-
-    Edge(const ContactEdges& edges, int lane) {
-      const auto at = static_cast<std::size_t>(lane);
-      const auto vector = [&](const ContactEdges::Vectors& v) { return Vector(v[0][at], v[1][at], v[2][at]); };
-      start = vector(edges.start);
-      along = vector(edges.along);
-      out = {vector(edges.out[0]), vector(edges.out[1])};
-      length = edges.length[at];
-      side = edges.side[at];
-    }
-  };
+  static ContactEdge edge_in(const ContactEdges& edges, int lane) {
+    const auto at = static_cast<std::size_t>(lane);
+    const auto vector = [&](const ContactEdges::Vectors& v) { return Vector(v[0][at], v[1][at], v[2][at]); };
+    return {vector(edges.start),
+            vector(edges.along),
+            {vector(edges.out[0]), vector(edges.out[1])},
+            edges.length[at],
+            edges.side[at]};
+  }
+  static bool edge_at(const ContactBody& body, std::int32_t side, ContactEdge& edge) {
+    const std::int32_t t = side / 3;
+    return body.edge(t, side % 3, body.triangle(t), body.face_normal(t), edge);
+  }
 
   /// True if `direction`, at right angles to the edge, stays in its region.
-  static bool in_region(const Edge& edge, const Vector& direction, double slack) {
+  static bool in_region(const ContactEdge& edge, const Vector& direction, double slack) {
     return edge.out[0].dot(direction) >= -slack && edge.out[1].dot(direction) >= -slack;
   }
 
   /// Two edges meet if a common perpendicular leads from b's edge outwards, and back to a's (Gauss map).
-  void edge_pair(const Edge& a, const Edge& b) {
+  void edge_pair(const ContactEdge& a, const ContactEdge& b) {
     Vector n = a.along.cross(b.along);
-    const double length = n.norm(), slack = region_slack * length;
+    const double length = n.norm();
     if (!(length > 1e-4 * a.length * b.length)) return;
-    const bool forth = in_region(b, n, slack) && in_region(a, -n, slack);
-    const bool back = in_region(b, -n, slack) && in_region(a, n, slack);
-    if (!forth && !back) return;
+    const auto meet = [&](double slack, const Vector& way) {
+      return in_region(b, way, slack * length) && in_region(a, -way, slack * length);
+    };
+    const bool near_forth = meet(region_slack + turn_, n), near_back = meet(region_slack + turn_, -n);
+    if (!near_forth && !near_back) return;
     const auto [s, t] = closest_parameters(a.along, b.along, a.start - b.start);
-    if (!(s > 0 && s < 1 && t > 0 && t < 1)) return;
     const Vector on_a = a.start + s * a.along, on_b = b.start + t * b.along;
     const Vector apart = on_a - on_b;
+    const double depth = std::min(a.length, b.length);
+    if (memory_ != nullptr && wide_ > limit_ && apart.norm() <= depth + wide_)
+      memory_->edges.push_back({a.side, b.side});
+    const bool forth = turn_ > 0 ? meet(region_slack, n) : near_forth,
+               back = turn_ > 0 ? meet(region_slack, -n) : near_back;
+    if (!forth && !back) return;
+    if (!(s > 0 && s < 1 && t > 0 && t < 1)) return;
     n /= forth && (!back || n.dot(apart) > 0) ? length : -length;
     ContactCandidate c;
     c.point_a = on_a;
@@ -153,8 +180,9 @@ class Search {
                 static_cast<std::uint64_t>(3 * s_.b.first_triangle + b.side);
     if (c.separation >= 0) {
       s_.candidates.push_back(c);
-    } else if (c.separation > -std::min(a.length, b.length)) {
-      s_.crossings.push_back({c, a.side, b.side});
+    } else if (c.separation > -depth) {
+      const auto blunt = [](const ContactEdge& edge) { return -edge.out[0].dot(edge.out[1]) > blunt_cosine; };
+      s_.crossings.push_back({c, a.side, b.side, blunt(a) && blunt(b)});
     }
   }
 
@@ -178,7 +206,15 @@ class Search {
     const auto start = anywhere ? static_cast<std::size_t>(guest.vertex(0, 0)) : 0;
     s_.located.clear();
     s_.located.resize(guest.vertices.size());
-    if (anywhere) locate_anywhere(host, guest.vertices[start], s_.located[start]);
+    if (anywhere) {
+      const Vector p = host.inverse(guest.vertices[start].position);
+      const Surface& surface = *host.surface;
+      if ((p.array() < surface.lower.cast<double>().array() || p.array() > surface.upper.cast<double>().array())
+              .any()) {
+        return;
+      }
+      locate_anywhere(host, guest.vertices[start], s_.located[start]);
+    }
     for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
       const ContactVertex& v = guest.vertices[i];
       if (reaches(guest, v, v.any)) locate(host, v, v.any_triangle, s_.located[i]);
@@ -187,6 +223,11 @@ class Search {
       locate_crossing(guest, host, guest_is_a);
       flood(guest, host, guest_is_a);
     }
+    contacts_of_located(guest, host, guest_is_a);
+    if (memory_ != nullptr && wide_ > limit_) remember(guest, guest_is_a);
+  }
+
+  void contacts_of_located(const ContactBody& guest, const ContactBody& host, bool guest_is_a) {
     for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
       const ContactVertex& v = guest.vertices[i];
       switch (s_.located[i].where) {
@@ -197,6 +238,73 @@ class Search {
         case Where::unknown: break;
       }
     }
+  }
+
+  void remember(const ContactBody& guest, bool guest_is_a) {
+    auto& vertices = guest_is_a ? memory_->vertices_a : memory_->vertices_b;
+    vertices.clear();
+    for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
+      const ContactVertex& v = guest.vertices[i];
+      const ContactScratch::Located& located = s_.located[i];
+      if (located.where == Where::unknown || (located.where == Where::outside && !reaches(guest, v, v.any))) continue;
+      const std::int32_t facing = located.way_out >= 0 ? located.way_out : v.facing_triangle;
+      vertices.push_back({v.side, located.nearest.triangle, facing});
+    }
+  }
+
+  /// Looks at the vertices that are remembered: their nearest triangles are those of then, or beside them.
+  void again(ContactBody& guest, const ContactBody& host, bool guest_is_a,
+             std::span<const ContactMemory::Vertex> vertices) {
+    s_.located.clear();
+    s_.located.resize(vertices.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const std::int32_t side = vertices[i].side;
+      guest.vertex(side / 3, side % 3);
+      ContactVertex& v = guest.vertices[i];
+      const Vector p = host.inverse(v.position);
+      ContactScratch::Located& located = s_.located[i];
+      located.nearest = descend(host, p, vertices[i].nearest, [](std::int32_t) { return true; });
+      v.any = std::pow(located.nearest.distance * host.scale, 2);
+      v.any_triangle = located.nearest.triangle;
+      if (vertices[i].facing >= 0) {
+        const SurfacePoint facing = descend(host, p, vertices[i].facing, [&](std::int32_t t) {
+          return v.normal.dot(host.face_normal(t)) < v.most_cosine;
+        });
+        v.facing = std::pow(facing.distance * host.scale, 2);
+        v.facing_triangle = facing.triangle;
+      }
+      set_side(host, p, v, located);
+    }
+    contacts_of_located(guest, host, guest_is_a);
+  }
+
+  /// Walks over triangles that pass the filter to a point that is nearer to p than all around it.
+  template <class Filter>
+  static SurfacePoint descend(const ContactBody& host, const Vector& p, std::int32_t start, const Filter& passes) {
+    constexpr int most_steps = 16;
+    const auto nearest_on = [&](std::int32_t t) {
+      const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(t, k)); };
+      SurfacePoint point = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
+      point.triangle = t;
+      return point;
+    };
+    SurfacePoint best = nearest_on(start);
+    for (int step = 0; step < most_steps && best.kind != SurfacePoint::Kind::face; ++step) {
+      const SurfacePoint from = best;
+      const auto consider = [&](std::int32_t t) {
+        if (t == from.triangle || !passes(t)) return;
+        const SurfacePoint point = nearest_on(t);
+        if (point.distance < best.distance) best = point;
+      };
+      if (from.kind == SurfacePoint::Kind::vertex) {
+        visit_around(*host.features, from.triangle, from.corner, consider);
+      } else {
+        const std::int32_t twin = host.features->twin[static_cast<std::size_t>(3 * from.triangle + from.corner)];
+        if (twin >= 0) consider(twin / 3);
+      }
+      if (best.triangle == from.triangle) break;
+    }
+    return best;
   }
 
   /// Takes the nearest triangle.
@@ -288,6 +396,7 @@ class Search {
         const std::int32_t side = entered.side;
         if (const Vector* const before = side_before(vertex_feature(guest, host, guest_is_a, entered.vertex))) {
           s_.patches.back().before += host.direction(*before);
+          ++s_.patches.back().remembered;
         }
         visit_around(*guest.features, side / 3, side % 3, [&](std::int32_t t) {
           const TriangleD corners = guest.triangle(t);
@@ -341,6 +450,7 @@ class Search {
     const Vector up = v.position - facing.point;
     const double height = up.norm();
     if (facing.kind != SurfacePoint::Kind::face || !(unit_normal(triangle).dot(up) > 0)) return;
+    if (!faces(guest, v, up / height)) return;
     add(guest, host, guest_is_a, v, facing.point, up / height, height);
   }
 
@@ -350,7 +460,12 @@ class Search {
   static bool may_point(const ContactBody& guest, const ContactBody& host, const ContactVertex& v,
                         const SurfacePoint& nearest, const Vector& normal) {
     const bool upright = std::abs(host.face_normal(nearest.triangle).dot(normal)) > 1 - 1e-9;
-    return (upright && v.normal.dot(normal) < v.most_cosine) || in_vertex_region(guest, v, -normal);
+    return (upright && faces(guest, v, normal)) || in_vertex_region(guest, v, -normal);
+  }
+  static bool faces(const ContactBody& guest, const ContactVertex& v, const Vector& normal) {
+    if (guest.solid) return v.normal.dot(normal) < v.most_cosine;
+    const Eigen::Vector3f& own = guest.features->vertex_normal[static_cast<std::size_t>(v.vertex)];
+    return std::abs(guest.direction(own.cast<double>()).dot(normal)) > -facing_cosine;
   }
 
   /// A vertex and a surface without interior: the side is that of the step before, or the one that the vertex's own
@@ -369,6 +484,7 @@ class Search {
       if (std::abs(wanted) < -facing_cosine) return;
       if (wanted < 0) {
         if (std::abs(face.dot(normal)) < 0.7) return;  // beyond the boundary
+        if (before == nullptr && (distance > limit_ || !straddles(guest, v, on_host, normal))) return;
         normal = -normal;
         separation = -distance;
       }
@@ -376,6 +492,16 @@ class Search {
     if (!may_point(guest, host, v, nearest, normal)) return;
     add(guest, host, guest_is_a, v, on_host, normal, separation);
     if (!normal.isZero()) new_sides_.push_back({feature, host.local_direction(normal).cast<float>()});
+  }
+
+  /// True if a neighbour of the vertex is on the other side of the plane.
+  static bool straddles(const ContactBody& guest, const ContactVertex& v, const Vector& on_plane,
+                        const Vector& normal) {
+    bool crosses = false;
+    visit_around(*guest.features, v.side / 3, v.side % 3, [&](std::int32_t t) {
+      for (int k = 0; k < 3; ++k) crosses = crosses || normal.dot(guest.position(t, k) - on_plane) < 0;
+    });
+    return crosses;
   }
 
   /// True if points that `direction` leads to have the vertex as their nearest feature.
@@ -414,10 +540,6 @@ class Search {
     return least < facing_cosine;
   }
 
-  Vector patch_side(const ContactScratch::Located& located) const {
-    return s_.patches[static_cast<std::size_t>(located.patch)].before.stableNormalized();
-  }
-
   const Vector* side_before(std::uint64_t feature) {
     const auto found = std::lower_bound(sides_.begin(), sides_.end(), feature,
                                         [](const ContactSide& side, std::uint64_t f) { return side.feature < f; });
@@ -426,10 +548,42 @@ class Search {
     return &before_;
   }
 
+  /// The mean side of the vertices around one in the query before, unless they differ much. 0 if they had none.
+  Vector side_around(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v) {
+    Vector sum = Vector::Zero();
+    int count = 0;
+    visit_around(*guest.features, v.side / 3, v.side % 3, [&](std::int32_t t) {
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t other = guest.vertex_number(t, k);
+        if (other == v.vertex) continue;
+        const Vector* const before = side_before(vertex_feature(guest, host, guest_is_a, other));
+        if (before == nullptr) continue;
+        sum += *before;
+        ++count;
+      }
+    });
+    const double length = sum.norm();
+    return count > 0 && length > 0.5 * count ? host.direction(sum / length) : Vector(Vector::Zero());
+  }
+
+  /// The side of the patch in the query before. Patches may run around threads and rings: those count for vertices that
+  /// look against their common side only, others follow the vertices around them.
+  Vector side_of_patch(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
+                       const ContactScratch::Located& located) {
+    if (located.patch >= 0) {
+      const ContactScratch::Patch& patch = s_.patches[static_cast<std::size_t>(located.patch)];
+      const double length = patch.before.norm();
+      if (length > 0.3 * patch.remembered && patch.before.dot(v.normal) < -facing_cosine * length) {
+        return patch.before / length;
+      }
+    }
+    return side_around(guest, host, guest_is_a, v);
+  }
+
   /// A vertex inside: the way out is the nearest face that faces the vertex, the patch it belongs to, and the side by
   /// which it was pushed out before.
   void inside(const ContactBody& guest, const ContactBody& host, bool guest_is_a, const ContactVertex& v,
-              const ContactScratch::Located& located) {
+              ContactScratch::Located& located) {
     const Vector p = host.inverse(v.position);
     SurfacePoint out;
     const auto search = [&](const Vector& against, double most) {
@@ -440,7 +594,16 @@ class Search {
       return true;
     };
     const auto face = [&] { return unit_normal(host.triangle(out.triangle)); };
-    if (v.facing <= limit_ * limit_) {
+    if (!guest.solid && !guest.round) {
+      // Either side of a sheet may face the way out.
+      const Eigen::Vector3f& own = guest.features->vertex_normal[static_cast<std::size_t>(v.vertex)];
+      const Vector axis = guest.direction(own.cast<double>());
+      out = located.nearest;
+      SurfacePoint one;
+      const bool found = search(axis, facing_cosine);
+      if (found) one = out;
+      if (search(-axis, facing_cosine) && found && one.distance < out.distance) out = one;
+    } else if (v.facing <= wide_ * wide_ || (again_ && v.facing_triangle >= 0)) {
       const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(v.facing_triangle, k)); };
       out = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
       out.triangle = v.facing_triangle;
@@ -460,12 +623,14 @@ class Search {
       }
     }
     const std::uint64_t feature = vertex_feature(guest, host, guest_is_a, v.vertex);
-    // A vertex that has just entered takes the side of those around it.
-    const Vector* const before = side_before(feature);
-    const Vector side = before != nullptr    ? host.direction(*before)
-                        : located.patch >= 0 ? patch_side(located)
-                                             : Vector::Zero();
-    if (face().dot(side) < 0) search(-side, facing_cosine);
+    // A vertex that has just entered takes the side of those around it; and these keep one from turning round little by
+    // little.
+    Vector side = Vector::Zero();
+    if (const Vector* const before = side_before(feature)) side = host.direction(*before);
+    side += 2 * side_of_patch(guest, host, guest_is_a, v, located);
+    side.stableNormalize();
+    if (face().dot(side) < -facing_cosine && !side.isZero()) search(-side, facing_cosine);
+    located.way_out = out.triangle;
     Vector normal = face();
     const Vector to_surface = host.map(out.point) - v.position;
     double depth = to_surface.norm();
@@ -549,8 +714,8 @@ class Search {
         if (!vertex && other.normal.dot(c.normal) > 0.5) return false;
         const bool same_way = other.normal.dot(c.normal) > 0.5;
         if (vertex && other.separation > 0 && !same_way) return false;
-        // Corners of large faces tell nothing of the edges that cross far from them.
-        const double far = vertex && same_way ? std::min(reach, -4 * c.separation) : reach;
+        // Corners tell nothing of sharp edges that cross far from them; vertices of smooth surfaces do.
+        const double far = vertex && same_way && !crossing.blunt ? std::min(reach, -4 * c.separation) : reach;
         return (other.point_a - c.point_a).norm() < far;
       };
       if (std::none_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first), s_.candidates.end(), tells) &&
@@ -611,9 +776,9 @@ class Search {
     return limit_ + std::max(0.0, -displacement.dot(normal));
   }
   bool reaches(const ContactBody& guest, const ContactVertex& v, double squared) const {
-    if (squared <= limit_ * limit_) return true;
+    if (squared <= wide_ * wide_) return true;
     if (motion_.at_rest) return false;
-    const double far = limit_ + guest.displacement(v.position).norm();
+    const double far = wide_ + guest.displacement(v.position).norm();
     return squared <= far * far;
   }
 
@@ -622,6 +787,10 @@ class Search {
   const double limit_, error_;
   const std::span<const ContactSide> sides_;
   std::vector<ContactSide>& new_sides_;
+  ContactMemory* const memory_;  ///< to be made, or null
+  bool again_ = false;           ///< vertices come from a memory
+  double wide_ = limit_;         ///< the limit for what is remembered
+  double turn_ = 0;              ///< radians that the bodies may turn while the memory holds
   Vector before_;
 };
 
@@ -661,24 +830,29 @@ std::int32_t ContactBody::vertex(std::int32_t t, int corner) {
   return index;
 }
 
+bool ContactBody::edge(std::int32_t t, int k, const TriangleD& corners, const Vector& normal, ContactEdge& edge) const {
+  edge.start = corners[static_cast<std::size_t>(k)];
+  edge.along = corners[static_cast<std::size_t>((k + 1) % 3)] - edge.start;
+  edge.length = edge.along.norm();
+  if (!(edge.length > 0)) return false;
+  edge.side = 3 * t + k;
+  edge.out = {edge.along.cross(normal) / edge.length, Vector::Zero()};
+  const std::int32_t twin = features->twin[static_cast<std::size_t>(edge.side)];
+  if (twin < 0) return true;
+  const Vector other = face_normal(twin / 3);
+  const double bend = other.dot(edge.out[0]);
+  // Edges of degenerate triangles may point anywhere, and between two faces that coincide is a blade or a slit.
+  const bool may_be_sharp = normal.isZero() || other.isZero() || (std::abs(bend) <= flat_edge && other.dot(normal) < 0);
+  if (!may_be_sharp && (solid ? bend : std::abs(bend)) <= flat_edge) return false;
+  edge.out[1] = other.cross(edge.along) / edge.length;
+  return true;
+}
+
 void ContactBody::add_edges(std::int32_t t, const TriangleD& corners, const Vector& normal, unsigned owned,
                             ContactLeaf& leaf) {
   for (int k = 0; k < 3; ++k) {
-    if ((owned >> (3 + k) & 1U) == 0) continue;
-    const Vector start = corners[static_cast<std::size_t>(k)];
-    const Vector along = corners[static_cast<std::size_t>((k + 1) % 3)] - start;
-    const double length = along.norm();
-    if (!(length > 0)) continue;
-    std::array<Vector, 2> out = {along.cross(normal) / length, Vector::Zero()};
-    const std::int32_t side = 3 * t + k, twin = features->twin[static_cast<std::size_t>(side)];
-    if (twin >= 0) {
-      const Vector other = face_normal(twin / 3);
-      const double bend = other.dot(out[0]);
-      // Edges of degenerate triangles may point anywhere.
-      const bool flat = (solid ? bend : std::abs(bend)) <= flat_edge;
-      if (flat && !normal.isZero() && !other.isZero()) continue;
-      out[1] = other.cross(along) / length;
-    }
+    ContactEdge added;
+    if ((owned >> (3 + k) & 1U) == 0 || !edge(t, k, corners, normal, added)) continue;
     if (leaf.edge_blocks == 0 || edges.back().length.back() > 0) {
       edges.emplace_back();
       ++leaf.edge_blocks;
@@ -689,12 +863,12 @@ void ContactBody::add_edges(std::int32_t t, const TriangleD& corners, const Vect
     const auto store = [&](ContactEdges::Vectors& to, const Vector& v) {
       for (std::size_t i = 0; i < 3; ++i) to[i][lane] = v[static_cast<Eigen::Index>(i)];
     };
-    store(block.start, start);
-    store(block.along, along);
-    store(block.out[0], out[0]);
-    store(block.out[1], out[1]);
-    block.length[lane] = length;
-    block.side[lane] = side;
+    store(block.start, added.start);
+    store(block.along, added.along);
+    store(block.out[0], added.out[0]);
+    store(block.out[1], added.out[1]);
+    block.length[lane] = added.length;
+    block.side[lane] = added.side;
   }
 }
 
@@ -724,9 +898,12 @@ std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
   return index;
 }
 
-void find_contacts(ContactScratch& scratch, const PairMotion& motion, double limit, double error,
-                   std::span<const ContactSide> sides, std::vector<ContactSide>& new_sides) {
-  Search(scratch, motion, limit, error, sides, new_sides).run();
+void find_contacts(ContactScratch& scratch, const ContactQuery& query, ContactMemory* memory) {
+  Search(scratch, query, memory).run();
+}
+
+void find_contacts_again(ContactScratch& scratch, const ContactQuery& query, const ContactMemory& memory) {
+  Search(scratch, query, nullptr).run_again(memory);
 }
 
 }  // namespace encage

@@ -24,6 +24,37 @@ struct ContactSide {
   Eigen::Vector3f normal;  ///< of the body that was entered, outward, in its local frame
 };
 
+/// An edge that can meet another one, in the common frame; see ContactEdges.
+struct ContactEdge {
+  Eigen::Vector3d start, along;
+  std::array<Eigen::Vector3d, 2> out;
+  double length;
+  std::int32_t side;  ///< 3 t + k
+};
+
+/// What a search found near enough to matter soon. As long as the bodies have moved little since, only these features
+/// have to be looked at again.
+struct ContactMemory {
+  struct Vertex {
+    std::int32_t side;             ///< 3 t + k
+    std::int32_t nearest, facing;  ///< triangles of the other body; -1 if there is none
+  };
+  struct Edges {
+    std::int32_t a, b;
+  };
+  std::vector<Vertex> vertices_a, vertices_b;
+  std::vector<Edges> edges;
+  double reach = -1;   ///< how far the bodies may have approached each other since; negative if nothing is known
+  AffineMap relative;  ///< from b's local frame to a's, at the time of the search
+
+  void clear() {
+    reach = -1;
+    vertices_a.clear();
+    vertices_b.clear();
+    edges.clear();
+  }
+};
+
 /// One body of a pair while contacts are searched. It keeps its memory from query to query.
 struct ContactBody {
   const Surface* surface = nullptr;
@@ -47,6 +78,9 @@ struct ContactBody {
 
   /// Returns the index in `leaves` of a leaf of the tree.
   std::int32_t leaf(std::int32_t first, std::int32_t count);
+  /// Describes side k of a triangle; false if no other edge can meet it.
+  bool edge(std::int32_t triangle, int k, const TriangleD& corners, const Eigen::Vector3d& normal,
+            ContactEdge& edge) const;
   /// Returns the index in `vertices` of a corner of a triangle.
   std::int32_t vertex(std::int32_t triangle, int corner);
 
@@ -89,13 +123,15 @@ struct ContactScratch {
   struct Crossing {
     ContactCandidate contact;
     std::int32_t edge_a, edge_b;
+    bool blunt;  ///< both edges are parts of smooth surfaces
   };
   std::vector<Crossing> crossings;  ///< edges that have passed each other
   enum class Where : std::uint8_t { unknown, outside, inside };
   struct Located {
     Where where = Where::unknown;
     std::int32_t patch = -1;
-    SurfacePoint nearest;  ///< in the host's local frame; of vertices that are located
+    SurfacePoint nearest;       ///< in the host's local frame; of vertices that are located
+    std::int32_t way_out = -1;  ///< the triangle through which a vertex inside leaves
   };
   std::vector<Located> located;
   std::vector<std::int32_t> queue;
@@ -103,15 +139,27 @@ struct ContactScratch {
     Eigen::Vector3d area = Eigen::Vector3d::Zero();    ///< sum of the vectors of its vertices' areas
     double size = 0;                                   ///< sum of their lengths
     Eigen::Vector3d before = Eigen::Vector3d::Zero();  ///< sum of the sides of the query before
+    int remembered = 0;                                ///< their number
   };
   std::vector<Patch> patches;
 };
 
-/// Fills in scratch.candidates for the parts placed in scratch.a and scratch.b, which move like `motion`: points that
-/// are apart by no more than `limit`, or approach by more than the rest during the step. Points lie on the meshes.
-/// `sides` are those of the query before, sorted by feature; the sides of this one are appended to `new_sides`, in no
-/// order. Positions are off by up to `error`.
-void find_contacts(ContactScratch& scratch, const PairMotion& motion, double limit, double error,
-                   std::span<const ContactSide> sides, std::vector<ContactSide>& new_sides);
+/// What a search for contacts needs besides the bodies.
+struct ContactQuery {
+  const PairMotion& motion;
+  double limit = 0;                     ///< separation up to which contacts count at any speed
+  double error = 0;                     ///< by which positions may be off
+  std::span<const ContactSide> sides;   ///< of the query before, sorted by feature
+  std::vector<ContactSide>& new_sides;  ///< those of this one are appended, in no order
+};
+
+/// Adds to scratch.candidates for the parts placed in scratch.a and scratch.b: points that are apart by no more than
+/// the limit, or approach by more than the rest during the step. Points lie on the meshes. If `memory` is not null,
+/// remembers everything within memory->reach of that, too.
+void find_contacts(ContactScratch& scratch, const ContactQuery& query, ContactMemory* memory);
+
+/// The same for bodies that have approached each other by less than memory.reach, this step included, since the memory
+/// was made.
+void find_contacts_again(ContactScratch& scratch, const ContactQuery& query, const ContactMemory& memory);
 
 }  // namespace encage

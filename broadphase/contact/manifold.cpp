@@ -53,12 +53,60 @@ void set_steps(ContactScratch& search, const MovingPart& a, const MovingPart& b,
   search.b.step = composed(inverted(move_a), move_b);
 }
 
+/// Bounds how far the map moves points within `radius` of the origin.
+double displacement(const AffineMap& map, double radius) {
+  return (map.linear - Eigen::Matrix3d::Identity()).norm() * radius + map.offset.norm();
+}
+
+AffineMap local_to_local(const ContactBody& from, const ContactBody& to) { return composed(to.inverse, from.map); }
+
+/// Bounds how far surfaces of the bodies, in world units, may have approached each other where they are near since
+/// `then`, a map from b's local frame to a's.
+double drift(const ContactScratch& search, const AffineMap& then) {
+  const ContactBody &a = search.a, &b = search.b;
+  const AffineMap now = local_to_local(b, a);
+  return std::min(b.scale * displacement(composed(inverted(then), now), b.surface->radius),
+                  a.scale * displacement(composed(then, inverted(now)), a.surface->radius));
+}
+
+/// The same for the motion of this step.
+double drift_ahead(const ContactScratch& search) {
+  const auto of = [](const ContactBody& body) {
+    return body.scale * displacement(composed(body.inverse, composed(body.step, body.map)), body.surface->radius);
+  };
+  return std::min(of(search.a), of(search.b));
+}
+
+/// Bodies that move by no more than this many margins in a step are remembered.
+constexpr double slow_margins = 8;
+/// Margins by which bodies may move before what is remembered of them gets useless. A larger number costs time in the
+/// steps that remember, and saves some of them.
+constexpr double memory_margins = 2;
+
+void search_with_memory(ContactScratch& search, const ContactQuery& query, double margin, ContactMemory& memory) {
+  const double ahead = drift_ahead(search);
+  const auto nothing = [&] { return memory.vertices_a.empty() && memory.vertices_b.empty() && memory.edges.empty(); };
+  if (memory.reach >= 0 && drift(search, memory.relative) + ahead <= memory.reach) {
+    find_contacts_again(search, query, memory);
+    if (nothing() || !search.candidates.empty()) return;
+  }
+  memory.clear();
+  const bool round = search.a.round || search.b.round;
+  if (round || !(ahead <= slow_margins * margin)) return find_contacts(search, query, nullptr);
+  memory.reach = memory_margins * margin + ahead;
+  memory.relative = local_to_local(search.b, search.a);
+  find_contacts(search, query, &memory);
+  // Contacts that come from no feature cannot be remembered.
+  if (nothing() && !search.candidates.empty()) memory.clear();
+}
+
 }  // namespace
 
 class ManifoldCache::State {
  public:
   std::vector<ContactSide> sides;  ///< sorted by feature
   std::vector<ContactSide> new_sides;
+  ContactMemory memory;                 ///< of a pair that is no compound
   std::vector<std::uint64_t> features;  ///< chosen in the step before, in their order
 
   void keep(std::span<const ManifoldPoint> points) {
@@ -78,6 +126,7 @@ ManifoldCache& ManifoldCache::operator=(ManifoldCache&& other) noexcept = defaul
 void ManifoldCache::clear() noexcept {
   state_->sides.clear();
   state_->features.clear();
+  state_->memory.clear();
 }
 
 int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
@@ -88,6 +137,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
   search.candidates.clear();
   const double radii = options.radius_a + options.radius_b;
   const Eigen::Vector3d origin = motion_a.start.translation();
+  const bool compound = a.is_compound() || b.is_compound();
   for_each_part_pair(
       a, motion_a, b, motion_b, options.margin + radii, [&](const MovingPart& part_a, const MovingPart& part_b) {
         if (!part_a.shape->has_fine() || !part_b.shape->has_fine()) return true;
@@ -98,8 +148,16 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
         const PairMotion motion = pair_motion(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
         set_steps(search, part_a, part_b, pair.origin);
         const std::size_t first = search.candidates.size();
-        find_contacts(search, motion, options.margin + radii, pair.error + part_a.slack + part_b.slack, state.sides,
-                      state.new_sides);
+        const ContactQuery query{.motion = motion,
+                                 .limit = options.margin + radii,
+                                 .error = pair.error + part_a.slack + part_b.slack,
+                                 .sides = state.sides,
+                                 .new_sides = state.new_sides};
+        if (compound) {
+          find_contacts(search, query, nullptr);
+        } else {
+          search_with_memory(search, query, options.margin, state.memory);
+        }
         const Eigen::Vector3d shift = pair.origin - origin;
         for (std::size_t i = first; i < search.candidates.size(); ++i) {
           ContactCandidate& c = search.candidates[i];

@@ -19,6 +19,8 @@ constexpr double normal_weight = 2;
 constexpr double kept_advantage = 4;
 /// The deepest point is that of the step before if it is less deep by this fraction of the margin and the depth.
 constexpr double kept_slop = 0.05;
+/// Relative error of coordinates.
+constexpr double rounding = 1e-12;
 
 class Reduction {
  public:
@@ -31,6 +33,7 @@ class Reduction {
       entries_[i].kept = std::find(before.begin(), before.end(), candidates[i].feature) != before.end();
       entries_[i].spread = std::numeric_limits<double>::infinity();
       extent = std::max(extent, (candidates[i].point_b - candidates[0].point_b).squaredNorm());
+      least_ = std::max(least_, rounding * rounding * candidates[i].point_b.squaredNorm());
     }
     scale_ = normal_weight * normal_weight * extent;
   }
@@ -46,7 +49,7 @@ class Reduction {
   /// Returns the candidate farthest from all those taken, or none if all are where these are.
   std::size_t take(std::size_t taken) {
     std::size_t next = none;
-    double farthest = 0;
+    double farthest = least_;
     const ContactCandidate& t = candidates_[taken];
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const ContactCandidate& c = candidates_[i];
@@ -67,6 +70,7 @@ class Reduction {
   std::span<const ContactCandidate> candidates_;
   std::vector<ReductionEntry>& entries_;
   double scale_ = 0;
+  double least_ = 0;  ///< spread of points that are the same but for rounding
 };
 
 /// Numbers patches in the order of their first points.

@@ -248,6 +248,36 @@ TEST(ManifoldPairs, EveryLeastDistanceOfFeaturesIsReported) {
   EXPECT_GT(several, 200);
 }
 
+TEST(ManifoldPairs, BodiesThatOverlapGetSoundPoints) {
+  const std::vector<Body> all = sample_bodies();
+  shapes::Random random(24);
+  int overlapping = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const Body &a = all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))],
+               &b = all[static_cast<std::size_t>(random.integer(static_cast<int>(all.size())))];
+    const double scale = round % 3 == 0 ? 0.2 : 1, size = a.diagonal() + b.diagonal() + 10;
+    const Motion at_a = Motion::resting(random_pose(random, 5));
+    Motion at_b = Motion::resting(random_pose(random, 0), scale);
+    at_b.start.translation() = at_a.start.translation() + random.point(1);
+    at_b.end = at_b.start;
+    SCOPED_TRACE(testing::Message() << a.sample.name << " and " << b.sample.name << ", round " << round);
+    // With memory as well, of a place nearby.
+    ManifoldCache cache;
+    Points points;
+    for (int step = 0; step < 3; ++step) {
+      Motion moved = at_b;
+      moved.start.translation().z() += 0.01 * (2 - step);
+      moved.end = moved.start;
+      points = contacts(*a.shape, at_a, *b.shape, moved, {}, cache, size);
+    }
+    if (!a.solid() || !b.solid() || distance(*a.shape, at_a, *b.shape, at_b).upper > 0) continue;
+    ++overlapping;
+    EXPECT_FALSE(points.empty());
+    EXPECT_LE(least_separation(points), 1e-12 * size);
+  }
+  EXPECT_GT(overlapping, 1000);
+}
+
 // ---- Random pairs against exact arithmetic ------------------------------------------------
 
 TriangleMesh random_body(shapes::Random& random, int kind) {
