@@ -14,8 +14,6 @@
 #include <Jolt/Physics/Collision/ContactListener.h>
 #include <Jolt/RegisterTypes.h>
 
-#include <cmath>
-#include <numbers>
 #include <set>
 #include <utility>
 
@@ -98,9 +96,6 @@ struct JoltWorld::World {
     system.Init(1024, 0, 4096, 8192, layers, all_layers, moving_pairs);
     JPH::PhysicsSettings settings = system.GetPhysicsSettings();
     settings.mPenetrationSlop = static_cast<float>(options.penetration_slop);
-    settings.mSpeculativeContactDistance = static_cast<float>(options.speculative_distance);
-    settings.mBodyPairCacheCosMaxDeltaRotationDiv2 =
-        static_cast<float>(std::cos(options.reuse_degrees / 2 * std::numbers::pi / 180));
     system.SetPhysicsSettings(settings);
     system.SetGravity({0, 0, -9.81F});
     system.SetContactListener(&count);

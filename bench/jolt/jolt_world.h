@@ -15,10 +15,8 @@ namespace encage::jolt_bench {
 struct JoltSettings {
   std::string name;
   std::string description;
-  double penetration_slop = 0.02;      ///< metres; Jolt's default
-  double speculative_distance = 0.02;  ///< metres; Jolt's default
-  double reuse_degrees = 2;            ///< turn within which contacts of a pair are used again; Jolt's default
-  bool reduces = false;                ///< Jolt merges manifolds that face one way
+  double penetration_slop = 0.02;  ///< metres; Jolt's default
+  bool reduces = false;            ///< Jolt merges manifolds that face one way
 };
 
 /// A scene of contacts in a JPH::PhysicsSystem, on one thread. Bodies do not sleep: what moves is seen.

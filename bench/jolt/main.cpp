@@ -24,18 +24,15 @@ constexpr const char* examples = R"(Examples:
   encage-jolt --scene bowls --settings default --seed 1 --json bowls.json
 
 The scenes of encage-bullet in a world of Jolt's on one thread, in steps of 1/60 s. "default" has Jolt's settings as
-they are; "fine" lets bodies sink into each other by 1 mm instead of 2 cm, and uses contacts again within a quarter of a
-degree instead of 2. "merged" is "default" with bodies whose manifolds Jolt merges.
+they are; "fine" lets bodies sink into each other by 1 mm instead of 2 cm. "merged" is "default" with bodies whose
+manifolds Jolt merges.
 
 Exit status: 0; 1 if a scene does not hold with "fine"; 2 for bad input or usage.)";
 
 const std::vector<JoltSettings>& all_settings() {
   static const std::vector<JoltSettings> all = {
       {.name = "default", .description = "Jolt's settings"},
-      {.name = "fine",
-       .description = "mPenetrationSlop 1 mm, contacts used again within 0.25 degrees",
-       .penetration_slop = 0.001,
-       .reuse_degrees = 0.25},
+      {.name = "fine", .description = "mPenetrationSlop 1 mm", .penetration_slop = 0.001},
       {.name = "merged", .description = "Jolt's settings, manifolds merged", .reduces = true},
   };
   return all;

@@ -129,7 +129,7 @@ struct JoltContactOptions {
   /// Parts of the radius of the smaller shape, >= 0. Surfaces get contact points while they are apart by no more than
   /// this, whatever the speed, so that contacts of resting bodies do not come and go. At least what bodies move while
   /// Jolt reuses their contacts, at most PhysicsSettings::mSpeculativeContactDistance.
-  double skin = 0.003;
+  double skin = 0.006;
   /// Parts of the radius of the smaller shape, >= 0. Beyond the skin, surfaces get speculative contact points as far as
   /// the bodies may approach each other during the step, but no farther than this. Jolt passes on pairs of bodies whose
   /// boxes are within mSpeculativeContactDistance only: bodies that are faster may enter each other.
