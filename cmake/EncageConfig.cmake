@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(Encage 0.1 [COMPONENTS broadphase cagegen bullet fcl]): each component is a target encage::COMPONENT.
+# find_package(Encage 0.1 [COMPONENTS broadphase cagegen bullet fcl jolt]): each component is a target encage::COMPONENT.
 # Without components, broadphase, which all others need. Looks for what the components asked for need, nothing else.
 
 set(encage_components broadphase ${Encage_FIND_COMPONENTS})

@@ -7,14 +7,9 @@ include(GNUInstallDirs)
 
 set(encage_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Encage)
 
-# encage_install_product(name component development HEADERS… FIND… FIND_PC… PC… PC_STATIC… PC_LIBS_STATIC…): see
-# encage_product.
-function(encage_install_product name component development)
-  cmake_parse_arguments(PARSE_ARGV 3 arg "" "" "HEADERS;FIND;FIND_PC;PC;PC_STATIC;PC_LIBS_STATIC")
-  target_include_directories(encage_${name} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  install(TARGETS encage_${name} EXPORT Encage-${name}
-    LIBRARY COMPONENT ${component} NAMELINK_COMPONENT ${development}
-    ARCHIVE COMPONENT ${development})
+# Copies headers, and writes the files by which EncageConfig.cmake finds the component.
+function(encage_install_component name development)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "HEADERS;FIND;FIND_PC")
   list(TRANSFORM arg_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/encage/)
   install(FILES ${arg_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/encage COMPONENT ${development})
 
@@ -31,6 +26,23 @@ function(encage_install_product name component development)
           COMPONENT ${development})
   install(EXPORT Encage-${name} NAMESPACE encage:: FILE Encage-${name}-targets.cmake
           DESTINATION ${encage_package_dir} COMPONENT ${development})
+endfunction()
+
+# encage_install_header_product(name HEADERS… FIND…): a product without a library, which pkg-config does not know.
+function(encage_install_header_product name)
+  install(TARGETS encage_${name} EXPORT Encage-${name})
+  encage_install_component(${name} development ${ARGN})
+endfunction()
+
+# encage_install_product(name component development HEADERS… FIND… FIND_PC… PC… PC_STATIC… PC_LIBS_STATIC…): see
+# encage_product.
+function(encage_install_product name component development)
+  cmake_parse_arguments(PARSE_ARGV 3 arg "" "" "HEADERS;FIND;FIND_PC;PC;PC_STATIC;PC_LIBS_STATIC")
+  target_include_directories(encage_${name} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  install(TARGETS encage_${name} EXPORT Encage-${name}
+    LIBRARY COMPONENT ${component} NAMELINK_COMPONENT ${development}
+    ARCHIVE COMPONENT ${development})
+  encage_install_component(${name} ${development} HEADERS ${arg_HEADERS} FIND ${arg_FIND} FIND_PC ${arg_FIND_PC})
 
   list(JOIN arg_PC ", " requires)
   list(JOIN arg_PC_STATIC ", " requires_private)
@@ -53,7 +65,7 @@ endfunction()
 function(encage_install_common)
   install(DIRECTORY include/encage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
     FILES_MATCHING PATTERN *.h
-    REGEX "/(bake|bullet|bullet_mesh|decimator|energy|fcl)\\.h$" EXCLUDE)
+    REGEX "/(bake|bullet|bullet_mesh|decimator|energy|fcl|jolt)\\.h$" EXCLUDE)
   write_basic_package_version_file(EncageConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES cmake/EncageConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/EncageConfigVersion.cmake
           DESTINATION ${encage_package_dir} COMPONENT development)
