@@ -742,8 +742,9 @@ class Search {
       const ContactLeaf &a = s_.a.leaves[static_cast<std::size_t>(pair.a)],
                         &b = s_.b.leaves[static_cast<std::size_t>(pair.b)];
       for (int i = 0; i < a.count; ++i) {
-        for (int j = 0; j < b.count; ++j) {
-          const std::int32_t ta = a.triangle[static_cast<std::size_t>(i)], tb = b.triangle[static_cast<std::size_t>(j)];
+        for (std::uint32_t left = may_touch(a, i, b, limit_ + error_); left != 0; left &= left - 1) {
+          const auto j = static_cast<std::size_t>(__builtin_ctz(left));
+          const std::int32_t ta = a.triangle[static_cast<std::size_t>(i)], tb = b.triangle[j];
           const TriangleD on_a = s_.a.triangle(ta), on_b = s_.b.triangle(tb);
           const TriangleDistance found = triangle_distance(on_a, on_b, error_);
           if (!(found.lower <= limit_)) continue;

@@ -44,11 +44,15 @@ struct ContactMemory {
   };
   std::vector<Vertex> vertices_a, vertices_b;
   std::vector<Edges> edges;
+  const Surface *surface_a = nullptr, *surface_b = nullptr;
+  double scale_a = 1, scale_b = 1;
+  double limit = 0;    ///< of the search, beyond which it remembers what is within reach
   double reach = -1;   ///< how far the bodies may have approached each other since; negative if nothing is known
   AffineMap relative;  ///< from b's local frame to a's, at the time of the search
 
   void clear() {
     reach = -1;
+    surface_a = surface_b = nullptr;
     vertices_a.clear();
     vertices_b.clear();
     edges.clear();

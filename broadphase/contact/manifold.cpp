@@ -81,20 +81,29 @@ double drift_ahead(const ContactScratch& search) {
 constexpr double slow_margins = 8;
 /// Margins by which bodies may move before what is remembered of them gets useless. A larger number costs time in the
 /// steps that remember, and saves some of them.
-constexpr double memory_margins = 2;
+constexpr double memory_margins = 1;
 
 void search_with_memory(ContactScratch& search, const ContactQuery& query, double margin, ContactMemory& memory) {
   const double ahead = drift_ahead(search);
   const auto nothing = [&] { return memory.vertices_a.empty() && memory.vertices_b.empty() && memory.edges.empty(); };
-  if (memory.reach >= 0 && drift(search, memory.relative) + ahead <= memory.reach) {
+  const ContactBody &a = search.a, &b = search.b;
+  const bool same = memory.surface_a == a.surface && memory.surface_b == b.surface && memory.scale_a == a.scale &&
+                    memory.scale_b == b.scale;
+  if (memory.reach >= 0 && same &&
+      drift(search, memory.relative) + ahead + std::max(0.0, query.limit - memory.limit) <= memory.reach) {
     find_contacts_again(search, query, memory);
     if (nothing() || !search.candidates.empty()) return;
   }
   memory.clear();
-  const bool round = search.a.round || search.b.round;
+  const bool round = a.round || b.round;
   if (round || !(ahead <= slow_margins * margin)) return find_contacts(search, query, nullptr);
   memory.reach = memory_margins * margin + ahead;
-  memory.relative = local_to_local(search.b, search.a);
+  memory.relative = local_to_local(b, a);
+  memory.limit = query.limit;
+  memory.surface_a = a.surface;
+  memory.surface_b = b.surface;
+  memory.scale_a = a.scale;
+  memory.scale_b = b.scale;
   find_contacts(search, query, &memory);
   // Contacts that come from no feature cannot be remembered.
   if (nothing() && !search.candidates.empty()) memory.clear();

@@ -114,7 +114,7 @@ class BulletMeshShape final : public btConcaveShape {
 struct BulletMeshOptions {
   /// Parts of the radius of the smaller body, >= 0. Surfaces get contact points while they are apart by no more than
   /// this, whatever the speed, so that contacts of resting bodies do not come and go.
-  double skin = 0.006;
+  double skin = 0.003;
   /// Parts of the radius of the smaller body, >= 0. Beyond the skin, surfaces get speculative contact points as far as
   /// the bodies may approach each other during the step, but no farther than this: bodies that are faster may enter
   /// each other. Wide reach costs time.

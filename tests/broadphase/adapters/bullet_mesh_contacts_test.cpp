@@ -350,7 +350,7 @@ TEST(BulletMeshContacts, HaveRightLocalPointsInCompounds) {
   compound->addChildShape(btTransform(btQuaternion(btVector3(0, 0, 1), SIMD_HALF_PI), {3, 0, 0}), &part);
   auto& both = w.keep(std::move(compound));
   btRigidBody& a = w.add(both, {0, 0, 0});
-  btRigidBody& b = w.add(both, {6.1F, 0.2F, 1.005F});  // its left part above a's right one
+  btRigidBody& b = w.add(both, {6.1F, 0.2F, 1.002F});  // its left part above a's right one
   w.world.performDiscreteCollisionDetection();
   ASSERT_GE(w.points().size(), 4U);
   for (const btManifoldPoint& point : w.points()) {
@@ -360,7 +360,7 @@ TEST(BulletMeshContacts, HaveRightLocalPointsInCompounds) {
     EXPECT_NEAR(point.m_localPointB.x(), -3, 0.5 + 1e-5);
     EXPECT_EQ(point.m_index0, 1);
     EXPECT_EQ(point.m_index1, 0);
-    EXPECT_NEAR(point.getDistance(), 0.005, 1e-5);
+    EXPECT_NEAR(point.getDistance(), 0.002, 1e-5);
     EXPECT_LT((a.getWorldTransform() * point.m_localPointA - point.m_positionWorldOnA).length(), 1e-5);
     EXPECT_LT((b.getWorldTransform() * point.m_localPointB - point.m_positionWorldOnB).length(), 1e-5);
   }
@@ -471,7 +471,7 @@ TEST(BulletMeshContacts, TellWhenContactsBeginAndEnd) {
   MeshWorld w;
   auto& shape = w.keep(mesh_shape(cube(0.5)));
   w.add(shape, {0, 0, 0}, 0);
-  btRigidBody& b = w.add(shape, {0.2F, 0.1F, 1.005F});
+  btRigidBody& b = w.add(shape, {0.2F, 0.1F, 1.002F});
   started = ended = 0;
   gContactStartedCallback = [](btPersistentManifold* const&) { ++started; };
   gContactEndedCallback = [](btPersistentManifold* const&) { ++ended; };
