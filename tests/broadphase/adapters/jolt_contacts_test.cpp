@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <functional>
+#include <ostream>
 #include <string>
 
 namespace encage::test {
@@ -71,6 +72,8 @@ struct Partner {
   std::function<JPH::Ref<JPH::Shape>()> make;
   double top;  ///< highest point
 };
+
+void PrintTo(const Partner& partner, std::ostream* out) { *out << partner.name; }
 
 class JoltPartners : public testing::TestWithParam<Partner> {
  protected:

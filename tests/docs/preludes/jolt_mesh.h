@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// needs: jolt
+#include <Jolt/Jolt.h>
+#include <Jolt/Core/JobSystem.h>
+#include <Jolt/Core/TempAllocator.h>
+#include <Jolt/Physics/Body/BodyInterface.h>
+#include <Jolt/Physics/PhysicsSystem.h>
+JPH::PhysicsSystem system;
+JPH::RVec3 position;
+JPH::Quat rotation;
+JPH::ObjectLayer layer = 0;
+float density = 1000;
+JPH::TempAllocator* temp_allocator = nullptr;
+JPH::JobSystem* job_system = nullptr;
