@@ -5,7 +5,10 @@
 #include <Jolt/Core/TempAllocator.h>
 #include <Jolt/Physics/Body/BodyInterface.h>
 #include <Jolt/Physics/PhysicsSystem.h>
-JPH::PhysicsSystem system;
+#include <cstddef>
+// Not constructed: Jolt's allocator is not registered here.
+alignas(JPH::PhysicsSystem) std::byte storage[sizeof(JPH::PhysicsSystem)];
+JPH::PhysicsSystem& system = *reinterpret_cast<JPH::PhysicsSystem*>(storage);
 JPH::RVec3 position;
 JPH::Quat rotation;
 JPH::ObjectLayer layer = 0;
