@@ -20,17 +20,12 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Where = ContactScratch::Where;
 
-/// Largest cosine of the normals of two features that face each other.
-constexpr double facing_cosine = -0.25;
 /// Radians by which a direction may leave a feature's Voronoi region.
 constexpr double region_slack = 1e-3;
 /// The same for round bodies, whose directions are those of nearest points.
 constexpr double round_slack = 1e-7;
 /// Least ratio of the length of a patch's vector area to its area at which the vector tells the side it entered by.
 constexpr double coherent = 0.85;
-/// Sine of the angle between the triangles of an edge below which the edge counts as flat: normals are rounded to
-/// float.
-constexpr double flat_edge = 1e-6;
 /// Cosine of the angle between the faces of an edge that approximates a smooth surface.
 constexpr double blunt_cosine = 0.85;
 /// Vertices that are searched for inwards, of one body of a pair. What is deeper counts no more.
@@ -796,108 +791,6 @@ class Search {
 };
 
 }  // namespace
-
-void ContactBody::place(const MovingPart& moving, const AffineMap& to_common, std::int32_t number) {
-  surface = &moving.shape->fine;
-  features = &moving.shape->features();
-  scale = moving.motion.scale;
-  rotation = to_common.linear;
-  map = {scale * rotation, to_common.offset};
-  inverse.linear = map.linear.inverse();
-  inverse.offset = -(inverse.linear * map.offset);
-  solid = interior(*moving.shape) == Interior::enclosed;
-  round = surface->mesh.triangles.size() == 1 && unit_normal(triangle(0)).isZero();
-  first_vertex = moving.first_vertex;
-  first_triangle = moving.first_triangle;
-  part = number;
-}
-
-std::int32_t ContactBody::add_vertex(std::int32_t t, int corner) {
-  const std::int32_t v = vertex_number(t, corner);
-  ContactVertex entry;
-  entry.position = located(v);
-  entry.normal =
-      solid ? direction(features->vertex_normal[static_cast<std::size_t>(v)].cast<double>()) : Vector::Zero();
-  entry.most_cosine = entry.normal.isZero() ? 2 : facing_cosine;
-  entry.vertex = v;
-  entry.side = 3 * t + corner;
-  vertices.push_back(entry);
-  return static_cast<std::int32_t>(vertices.size()) - 1;
-}
-
-std::int32_t ContactBody::vertex(std::int32_t t, int corner) {
-  std::int32_t& index = vertex_index[vertex_number(t, corner)];
-  if (index < 0) index = add_vertex(t, corner);
-  return index;
-}
-
-bool ContactBody::edge(std::int32_t t, int k, const TriangleD& corners, const Vector& normal, ContactEdge& edge) const {
-  edge.start = corners[static_cast<std::size_t>(k)];
-  edge.along = corners[static_cast<std::size_t>((k + 1) % 3)] - edge.start;
-  edge.length = edge.along.norm();
-  if (!(edge.length > 0)) return false;
-  edge.side = 3 * t + k;
-  edge.out = {edge.along.cross(normal) / edge.length, Vector::Zero()};
-  const std::int32_t twin = features->twin[static_cast<std::size_t>(edge.side)];
-  if (twin < 0) return true;
-  const Vector other = face_normal(twin / 3);
-  const double bend = other.dot(edge.out[0]);
-  // Edges of degenerate triangles may point anywhere, and between two faces that coincide is a blade or a slit.
-  const bool may_be_sharp = normal.isZero() || other.isZero() || (std::abs(bend) <= flat_edge && other.dot(normal) < 0);
-  if (!may_be_sharp && (solid ? bend : std::abs(bend)) <= flat_edge) return false;
-  edge.out[1] = other.cross(edge.along) / edge.length;
-  return true;
-}
-
-void ContactBody::add_edges(std::int32_t t, const TriangleD& corners, const Vector& normal, unsigned owned,
-                            ContactLeaf& leaf) {
-  for (int k = 0; k < 3; ++k) {
-    ContactEdge added;
-    if ((owned >> (3 + k) & 1U) == 0 || !edge(t, k, corners, normal, added)) continue;
-    if (leaf.edge_blocks == 0 || edges.back().length.back() > 0) {
-      edges.emplace_back();
-      ++leaf.edge_blocks;
-    }
-    ContactEdges& block = edges.back();
-    const auto lane =
-        static_cast<std::size_t>(std::find(block.length.begin(), block.length.end(), 0.0) - block.length.begin());
-    const auto store = [&](ContactEdges::Vectors& to, const Vector& v) {
-      for (std::size_t i = 0; i < 3; ++i) to[i][lane] = v[static_cast<Eigen::Index>(i)];
-    };
-    store(block.start, added.start);
-    store(block.along, added.along);
-    store(block.out[0], added.out[0]);
-    store(block.out[1], added.out[1]);
-    block.length[lane] = added.length;
-    block.side[lane] = added.side;
-  }
-}
-
-std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
-  std::int32_t& index = leaf_index[first];
-  if (index >= 0) return index;
-  index = static_cast<std::int32_t>(leaves.size());
-  leaves.emplace_back();
-  ContactLeaf& leaf = leaves.back();
-  leaf.count = count;
-  leaf.first_vertex = static_cast<std::int32_t>(vertices.size());
-  leaf.first_edges = static_cast<std::int32_t>(edges.size());
-  for (int lane = 0; lane < ContactLeaf::width; ++lane) {
-    const std::int32_t t = surface->tree.leaves[static_cast<std::size_t>(first + std::min(lane, count - 1))].triangle;
-    const TriangleD corners = triangle(t);
-    const Vector normal = face_normal(t);
-    leaf.set(lane, t, corners, normal);
-    if (lane >= count) continue;
-    const unsigned owned = surface->owned[static_cast<std::size_t>(t)];
-    for (int k = 0; k < 3; ++k) {
-      if ((owned >> k & 1U) == 0) continue;
-      vertex_index[vertex_number(t, k)] = add_vertex(t, k);
-      ++leaf.vertex_count;
-    }
-    add_edges(t, corners, normal, owned, leaf);
-  }
-  return index;
-}
 
 void find_contacts(ContactScratch& scratch, const ContactQuery& query, ContactMemory* memory) {
   Search(scratch, query, memory).run();

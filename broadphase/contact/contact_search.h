@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "broadphase/contact/contact_leaf.h"
-#include "broadphase/contact/index_map.h"
-#include "broadphase/contact/nearest_point.h"
+#include "broadphase/contact/contact_body.h"
 #include "broadphase/motion/pair_motion.h"
-#include "broadphase/shape/compound.h"
 
+#include <span>
 #include <vector>
 
 namespace encage {
@@ -22,14 +20,6 @@ struct ContactCandidate {
 struct ContactSide {
   std::uint64_t feature;
   Eigen::Vector3f normal;  ///< of the body that was entered, outward, in its local frame
-};
-
-/// An edge that can meet another one, in the common frame; see ContactEdges.
-struct ContactEdge {
-  Eigen::Vector3d start, along;
-  std::array<Eigen::Vector3d, 2> out;
-  double length;
-  std::int32_t side;  ///< 3 t + k
 };
 
 /// What a search found near enough to matter soon. As long as the bodies have moved little since, only these features
@@ -57,63 +47,6 @@ struct ContactMemory {
     vertices_b.clear();
     edges.clear();
   }
-};
-
-/// One body of a pair while contacts are searched. It keeps its memory from query to query.
-struct ContactBody {
-  const Surface* surface = nullptr;
-  const SurfaceFeatures* features = nullptr;
-  AffineMap map, inverse;  ///< from the local frame to the common one, scale included, and back
-  AffineMap step;          ///< positions at the start to those at the end, seen from the other body
-  double scale = 1;
-  Eigen::Matrix3d rotation;  ///< map without the scale
-  bool solid = true;         ///< otherwise the body is its surface alone, and contacts are two-sided
-  bool round = false;        ///< of degenerate triangles only: the core of a sphere or a capsule
-  std::int32_t first_vertex = 0, first_triangle = 0, part = 0;
-
-  IndexMap leaf_index, vertex_index;
-  std::vector<ContactLeaf> leaves;
-  std::vector<ContactVertex> vertices;
-  std::vector<ContactEdges> edges;
-
-  void place(const MovingPart& moving, const AffineMap& to_common, std::int32_t number);
-  /// Returns how far a point of the body, in the common frame, moves during the step, seen from the other body.
-  Eigen::Vector3d displacement(const Eigen::Vector3d& p) const { return step(p) - p; }
-
-  /// Returns the index in `leaves` of a leaf of the tree.
-  std::int32_t leaf(std::int32_t first, std::int32_t count);
-  /// Describes side k of a triangle; false if no other edge can meet it.
-  bool edge(std::int32_t triangle, int k, const TriangleD& corners, const Eigen::Vector3d& normal,
-            ContactEdge& edge) const;
-  /// Returns the index in `vertices` of a corner of a triangle.
-  std::int32_t vertex(std::int32_t triangle, int corner);
-
-  std::int32_t vertex_number(std::int32_t triangle, int corner) const {
-    return static_cast<std::int32_t>(
-        surface->mesh.triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(corner)]);
-  }
-  Eigen::Vector3d located(std::int32_t vertex) const {
-    return map.linear.lazyProduct(surface->vertex(vertex)) + map.offset;
-  }
-  Eigen::Vector3d position(std::int32_t triangle, int corner) const { return located(vertex_number(triangle, corner)); }
-  TriangleD triangle(std::int32_t t) const { return {position(t, 0), position(t, 1), position(t, 2)}; }
-  /// Turns a direction of the local frame.
-  Eigen::Vector3d direction(const Eigen::Vector3d& local) const { return rotation.lazyProduct(local); }
-  Eigen::Vector3d local_direction(const Eigen::Vector3d& common) const {
-    return rotation.transpose().lazyProduct(common);
-  }
-  /// Unit normal of a triangle, rounded to float; 0 if it is degenerate.
-  Eigen::Vector3d face_normal(std::int32_t t) const {
-    return direction(features->face_normal[static_cast<std::size_t>(t)].cast<double>());
-  }
-  Eigen::Vector3d normal(const SurfacePoint& point) const {
-    return direction(feature_normal(*surface, *features, point));
-  }
-
- private:
-  std::int32_t add_vertex(std::int32_t triangle, int corner);
-  void add_edges(std::int32_t triangle, const TriangleD& corners, const Eigen::Vector3d& normal, unsigned owned,
-                 ContactLeaf& leaf);
 };
 
 /// Working memory of contact_manifold(), of one thread.

@@ -94,6 +94,42 @@ TEST(ManifoldPairs, LeastSeparationIsTheDistanceAndPointsLieOnBothSurfaces) {
   }
 }
 
+// What a cache remembers of slow bodies saves work, and changes nothing but which of nearly equal points are chosen.
+TEST(ManifoldPairs, MemoryOfSlowBodiesFindsWhatAFreshSearchFinds) {
+  const std::vector<Body> all = sample_bodies();
+  const std::vector<Near> pairs = near_pairs(all, 600, 22);
+  shapes::Random random(23);
+  int compared = 0, with_points = 0;
+  for (const Near& pair : pairs) {
+    SCOPED_TRACE(testing::Message() << pair.a->sample.name << " and " << pair.b->sample.name << ", pair "
+                                    << &pair - pairs.data());
+    const double reach = pair.size + 10;
+    ManifoldCache cache;
+    Motion at_b = pair.at_b;
+    const Vector way = random_direction(random);
+    for (int step = 0; step < 12; ++step) {
+      // To and fro, by a fraction of the margin in each step.
+      const double share = step % 8 < 4 ? 0.15 : -0.15;
+      at_b.start = at_b.end;
+      at_b.start.translation() += share * pair.margin * way;
+      at_b.end = at_b.start;
+      if (!(distance(*pair.a->shape, pair.at_a, *pair.b->shape, at_b).lower > 1e-9 * pair.size)) break;
+      const Points fresh = contacts(*pair.a->shape, pair.at_a, *pair.b->shape, at_b, {.margin = pair.margin}, reach);
+      const Points kept =
+          contacts(*pair.a->shape, pair.at_a, *pair.b->shape, at_b, {.margin = pair.margin}, cache, reach);
+      EXPECT_EQ(kept.empty(), fresh.empty());
+      ++compared;
+      if (kept.empty() || fresh.empty()) continue;
+      ++with_points;
+      // The deepest point of the step before stays if it is less deep by a twentieth of the margin.
+      EXPECT_NEAR(least_separation(kept), least_separation(fresh), 0.051 * pair.margin + 1e-9 * pair.size);
+    }
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(compared, 2000);
+  EXPECT_GT(with_points, 1000);
+}
+
 /// A mesh in the world with what stands around its vertices and edges.
 struct Neighbours {
   struct Edge {
