@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // needs: jolt
-#include <Jolt/Jolt.h>
+#include <encage/jolt.h>
+
 #include <Jolt/Core/JobSystem.h>
 #include <Jolt/Core/TempAllocator.h>
 #include <Jolt/Physics/Body/BodyInterface.h>
 #include <Jolt/Physics/PhysicsSystem.h>
+
 #include <cstddef>
 // Not constructed: Jolt's allocator is not registered here.
 alignas(JPH::PhysicsSystem) std::byte storage[sizeof(JPH::PhysicsSystem)];
