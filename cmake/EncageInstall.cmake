@@ -69,7 +69,7 @@ function(encage_install_common)
   write_basic_package_version_file(EncageConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES cmake/EncageConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/EncageConfigVersion.cmake
           DESTINATION ${encage_package_dir} COMPONENT development)
-  install(FILES CHANGELOG.md README.md docs/ENCAGE_cages.schema.json docs/asset.md docs/certificate.md
+  install(FILES CHANGELOG.md README.md docs/ENCAGE_cages.schema.json docs/asset.md docs/certificate.md docs/contacts.md
                 docs/guarantee.md docs/install.md docs/performance.md
           DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
   set(components runtime development)

@@ -105,8 +105,8 @@ void search_with_memory(ContactScratch& search, const ContactQuery& query, doubl
   memory.scale_a = a.scale;
   memory.scale_b = b.scale;
   find_contacts(search, query, &memory);
-  // Contacts that come from no feature cannot be remembered.
-  if (nothing() && !search.candidates.empty()) memory.clear();
+  // Contacts that come from no feature cannot be remembered: where leaves are near, the next query searches again.
+  if (nothing() && !search.leaf_pairs.empty()) memory.clear();
 }
 
 }  // namespace
@@ -142,7 +142,8 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
                      const ManifoldOptions& options, ManifoldCache& cache, std::span<ManifoldPoint> points) {
   ManifoldCache::State& state = cache.state();
   if (!valid(options, points) || !is_usable(motion_a) || !is_usable(motion_b)) return 0;
-  auto& [search, reduction] = thread_scratch();
+  Scratch& scratch = thread_scratch();
+  ContactScratch& search = scratch.search;
   search.candidates.clear();
   const double radii = options.radius_a + options.radius_b;
   const Eigen::Vector3d origin = motion_a.start.translation();
@@ -176,7 +177,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
         }
         return true;
       });
-  const int count = reduce_contacts(search.candidates, options, origin, state.features, reduction, points);
+  const int count = reduce_contacts(search.candidates, options, origin, state.features, scratch.reduction, points);
   state.keep(points.first(static_cast<std::size_t>(count)));
   return count;
 }
@@ -186,7 +187,8 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
   ManifoldCache::State& state = cache.state();
   if (!valid(options, points) || !is_usable(motion_a)) return 0;
   if (!(std::abs(b.normal.norm() - 1) <= 1e-9) || !std::isfinite(b.offset)) return 0;
-  auto& [search, reduction] = thread_scratch();
+  Scratch& scratch = thread_scratch();
+  ContactScratch& search = scratch.search;
   search.candidates.clear();
   const double radii = options.radius_a + options.radius_b;
   const Eigen::Vector3d origin = motion_a.start.translation();
@@ -216,7 +218,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
         });
     return true;
   });
-  const int count = reduce_contacts(search.candidates, options, origin, state.features, reduction, points);
+  const int count = reduce_contacts(search.candidates, options, origin, state.features, scratch.reduction, points);
   state.keep(points.first(static_cast<std::size_t>(count)));
   return count;
 }
