@@ -4,3 +4,7 @@ foreach(component IN LISTS COMPONENTS)
   add_executable(consumer_${component} ${CMAKE_CURRENT_LIST_DIR}/${component}.cpp)
   target_link_libraries(consumer_${component} PRIVATE encage::${component})
 endforeach()
+if(TARGET consumer_jolt)
+  # Jolt's headers assert without it, by functions that only a debug build of Jolt has.
+  target_compile_definitions(consumer_jolt PRIVATE NDEBUG)
+endif()
