@@ -61,7 +61,7 @@ bool ContactBody::edge(std::int32_t t, int k, const TriangleD& corners, const Ve
   if (!(edge.length > 0)) return false;
   edge.side = 3 * t + k;
   edge.out = {edge.along.cross(normal) / edge.length, Vector::Zero()};
-  const std::int32_t twin = features->twin[static_cast<std::size_t>(edge.side)];
+  const std::int32_t twin = features->twin_of(edge.side);
   if (twin < 0) return true;
   const Vector other = face_normal(twin / 3);
   const double bend = other.dot(edge.out[0]);

@@ -294,7 +294,7 @@ class Search {
       if (from.kind == SurfacePoint::Kind::vertex) {
         visit_around(*host.features, from.triangle, from.corner, consider);
       } else {
-        const std::int32_t twin = host.features->twin[static_cast<std::size_t>(3 * from.triangle + from.corner)];
+        const std::int32_t twin = host.features->twin_of(3 * from.triangle + from.corner);
         if (twin >= 0) consider(twin / 3);
       }
       if (best.triangle == from.triangle) break;
@@ -529,7 +529,7 @@ class Search {
       visit_around(*host.features, point.triangle, point.corner, compare);
     } else {
       compare(point.triangle);
-      const std::int32_t twin = host.features->twin[static_cast<std::size_t>(3 * point.triangle + point.corner)];
+      const std::int32_t twin = host.features->twin_of(3 * point.triangle + point.corner);
       if (point.kind == SurfacePoint::Kind::edge && twin >= 0) compare(twin / 3);
     }
     return least < facing_cosine;
@@ -602,12 +602,12 @@ class Search {
       const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(v.facing_triangle, k)); };
       out = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
       out.triangle = v.facing_triangle;
-    } else if (v.most_cosine >= 1 || !search(v.normal, facing_cosine)) {
-      out = located.nearest;
-    } else if (out.distance > 2 * located.nearest.distance &&
-               unit_normal(host.triangle(located.nearest.triangle)).dot(v.normal) < -facing_cosine) {
+    } else {
       // What faces a vertex on the side of a bar may be the bar's far end.
-      out = located.nearest;
+      const bool found = v.most_cosine < 1 && search(v.normal, facing_cosine);
+      const bool far = found && out.distance > 2 * located.nearest.distance &&
+                       unit_normal(host.triangle(located.nearest.triangle)).dot(v.normal) < -facing_cosine;
+      if (!found || far) out = located.nearest;
     }
     if (guest.solid && located.patch >= 0) {
       const ContactScratch::Patch& patch = s_.patches[static_cast<std::size_t>(located.patch)];
@@ -676,7 +676,7 @@ class Search {
         return !host.solid || unit_normal(host.triangle(point.triangle)).dot(direction) > 0;
       case SurfacePoint::Kind::edge: {
         if ((owned >> (3 + corner) & 1U) == 0) return false;
-        const std::int32_t twin = host.features->twin[static_cast<std::size_t>(3 * point.triangle + point.corner)];
+        const std::int32_t twin = host.features->twin_of(3 * point.triangle + point.corner);
         if (twin < 0) return true;
         const Vector n = unit_normal(host.triangle(twin / 3));
         const Vector along = host.position(twin / 3, (twin % 3 + 1) % 3) - host.position(twin / 3, twin % 3);

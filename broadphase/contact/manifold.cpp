@@ -213,7 +213,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
           c.point_b = at - origin + (options.radius_b - height) * b.normal;
           c.normal = b.normal;
           c.separation = height - radii;
-          c.feature = static_cast<std::uint64_t>(part.first_vertex + v);
+          c.feature = static_cast<std::uint64_t>(part.first_vertex) + static_cast<std::uint64_t>(v);
           search.candidates.push_back(c);
         });
     return true;

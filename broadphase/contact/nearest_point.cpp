@@ -103,8 +103,8 @@ bool nearest_point(const MeshArraysView& surface, const Vector& p, double reach,
         stack[static_cast<std::size_t>(size++)] = {node.child(lane), lane_squared};
         continue;
       }
-      for (int i = 0; i < count; ++i) {
-        const LeafTriangle& leaf = tree.leaves[static_cast<std::size_t>(node.child(lane) + i)];
+      for (const LeafTriangle& leaf :
+           tree.leaves.subspan(static_cast<std::size_t>(node.child(lane)), static_cast<std::size_t>(count))) {
         const TriangleD triangle = corners(surface.mesh, leaf.triangle);
         SurfacePoint found = nearest_in_triangle(p, triangle);
         found.triangle = leaf.triangle;
@@ -129,7 +129,7 @@ Vector feature_normal(const MeshArraysView& surface, const SurfaceFeatures& feat
       return features.vertex_normal[v].cast<double>();
     }
     case SurfacePoint::Kind::edge: {
-      const std::int32_t twin = features.twin[static_cast<std::size_t>(3 * point.triangle + point.corner)];
+      const std::int32_t twin = features.twin_of(3 * point.triangle + point.corner);
       const auto normal = [&](std::int32_t t) {
         return features.face_normal[static_cast<std::size_t>(t)].cast<double>();
       };

@@ -57,13 +57,13 @@ SurfaceFeatures make_surface_features(const MeshView& mesh) {
     std::array<Vector, 3> c;
     for (std::size_t k = 0; k < 3; ++k) c[k] = vertex(mesh, mesh.triangles[t][k]);
     const Vector n = (c[1] - c[0]).cross(c[2] - c[0]).stableNormalized();
-    features.face_normal.push_back(n.cast<float>());
+    features.face_normal.emplace_back(n.cast<float>());
     for (std::size_t k = 0; k < 3; ++k) {
       sums[mesh.triangles[t][k]] += angle(c[(k + 1) % 3] - c[k], c[(k + 2) % 3] - c[k]) * n;
     }
   }
   features.vertex_normal.reserve(sums.size());
-  for (const Vector& sum : sums) features.vertex_normal.push_back(sum.stableNormalized().cast<float>());
+  for (const Vector& sum : sums) features.vertex_normal.emplace_back(sum.stableNormalized().cast<float>());
   return features;
 }
 

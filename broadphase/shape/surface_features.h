@@ -19,6 +19,8 @@ struct SurfaceFeatures {
   /// Per vertex, unit length: the normals of its triangles weighted by their angles there. The surface's nearest point
   /// is a vertex only for points whose side this normal tells (Baerentzen and Aanaes 2005). 0 where triangles cancel.
   std::vector<Eigen::Vector3f> vertex_normal;
+
+  std::int32_t twin_of(std::int32_t side) const { return twin[static_cast<std::size_t>(side)]; }
 };
 
 /// Linear time but for the sorting of edges.
@@ -31,14 +33,14 @@ void visit_around(const SurfaceFeatures& features, std::int32_t triangle, int k,
   std::int32_t side = 3 * triangle + k;
   do {
     visit(side / 3);
-    side = features.twin[static_cast<std::size_t>(side - side % 3 + (side + 2) % 3)];
+    side = features.twin_of(side - side % 3 + (side + 2) % 3);
   } while (side >= 0 && side / 3 != triangle);
   if (side >= 0) return;
   // A boundary: the rest lies the other way round. The twin of the side that begins at the vertex ends there.
-  side = features.twin[static_cast<std::size_t>(3 * triangle + k)];
+  side = features.twin_of(3 * triangle + k);
   while (side >= 0 && side / 3 != triangle) {
     visit(side / 3);
-    side = features.twin[static_cast<std::size_t>(side - side % 3 + (side + 1) % 3)];
+    side = features.twin_of(side - side % 3 + (side + 1) % 3);
   }
 }
 
