@@ -106,7 +106,8 @@ std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
   leaf.first_vertex = static_cast<std::int32_t>(vertices.size());
   leaf.first_edges = static_cast<std::int32_t>(edges.size());
   for (int lane = 0; lane < ContactLeaf::width; ++lane) {
-    const std::int32_t t = surface->tree.leaves[static_cast<std::size_t>(first + std::min(lane, count - 1))].triangle;
+    const std::int32_t at = first + std::min(lane, count - 1);
+    const std::int32_t t = surface->tree.leaves[static_cast<std::size_t>(at)].triangle;
     const TriangleD corners = triangle(t);
     const Vector normal = face_normal(t);
     leaf.set(lane, t, corners, normal);
