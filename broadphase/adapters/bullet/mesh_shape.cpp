@@ -265,8 +265,9 @@ void BulletMeshShape::processAllTriangles(btTriangleCallback* callback, const bt
           descend(node.child(lane));
           continue;
         }
-        for (int i = 0; i < node.count(lane); ++i) {
-          const LeafTriangle& leaf = surface.tree.leaves[static_cast<std::size_t>(node.child(lane) + i)];
+        const auto count = static_cast<std::size_t>(node.count(lane));
+        for (const LeafTriangle& leaf :
+             surface.tree.leaves.subspan(static_cast<std::size_t>(node.child(lane)), count)) {
           std::array<btVector3, 3> triangle;
           for (std::size_t k = 0; k < 3; ++k) {
             triangle[k] = bullet::to_bullet(to_body * surface.vertex(leaf.vertices[k]));
