@@ -22,7 +22,7 @@ using Vector = Eigen::Vector3d;
 TriangleD random_triangle(shapes::Random& random) {
   TriangleD t;
   const Vector middle(random(-1, 1), random(-1, 1), random(-1, 1));
-  for (Vector& corner : t) corner = middle + 0.7 * Vector(random(-1, 1), random(-1, 1), random(-1, 1));
+  for (Vector& corner : t) corner = middle + 1.5 * Vector(random(-1, 1), random(-1, 1), random(-1, 1));
   return t;
 }
 
