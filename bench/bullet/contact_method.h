@@ -17,7 +17,7 @@ class MethodShape {
  public:
   virtual ~MethodShape() = default;
   virtual btCollisionShape& shape() = 0;
-  /// What the report says of it; null if nothing.
+  /// Returns what the report says of the shape, or null.
   virtual nlohmann::ordered_json details() const { return nullptr; }
 };
 

@@ -91,7 +91,7 @@ std::vector<Hull> decompose(const TriangleMesh& mesh) {
   return hulls;
 }
 
-/// Of lengths.
+/// Statistics of a set of lengths.
 struct Spread {
   explicit Spread(std::vector<double> lengths) {
     if (lengths.empty()) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where HACD is not found.
+// Stands in for hull_method.cpp where HACD is not found.
 #include "bench/bullet/contact_method.h"
 
 namespace encage::bullet_bench {

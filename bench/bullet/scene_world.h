@@ -11,7 +11,7 @@
 
 namespace encage::bullet_bench {
 
-/// What one step cost, in CPU milliseconds.
+/// Costs of one step, in CPU milliseconds.
 struct StepCost {
   double detect_ms = 0;  ///< of the dispatcher over all pairs: the narrow phase
   double step_ms = 0;    ///< whole

@@ -23,7 +23,7 @@ struct SceneBody {
   bool moves = true;
 };
 
-/// What a run left: the poses of all bodies, at the start and after every step.
+/// Holds the poses of all bodies of a run, at the start and after every step.
 struct SceneHistory {
   std::vector<std::vector<Eigen::Isometry3d>> poses;
   double end_penetration = 0;  ///< after the last step

@@ -10,7 +10,7 @@ namespace encage::bullet_bench {
 namespace {
 
 /// Rows of vertices along helices, so that crests and roots are edges of the mesh and every turn is like the others.
-/// Where rows leave the range of heights they end on its edge.
+/// Rows that leave the range of heights end on its edge.
 class ThreadSurface {
  public:
   /// At the ends the radius is `end_radius`; `clearance` is added to the thread's.

@@ -20,7 +20,7 @@
 namespace encage::jolt_bench {
 namespace {
 
-/// What Jolt keeps for the whole process.
+/// Sets up what Jolt keeps for the whole process.
 struct Registration {
   Registration() {
     JPH::RegisterDefaultAllocator();

@@ -11,7 +11,7 @@
 
 namespace encage::jolt_bench {
 
-/// What a run changes of Jolt's settings.
+/// Settings of Jolt that a run changes.
 struct JoltSettings {
   std::string name;
   std::string description;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// All of the run time. The offline side is <encage/bake.h>, adapters are <encage/bullet.h> and <encage/fcl.h>.
+// All of the run time. The offline side is <encage/bake.h>; adapters are <encage/bullet.h>, <encage/bullet_mesh.h>,
+// <encage/fcl.h> and <encage/jolt.h>.
 
 #include <encage/asset.h>
 #include <encage/cage.h>
@@ -10,6 +11,7 @@
 #include <encage/error.h>
 #include <encage/executor.h>
 #include <encage/fine_lease.h>
+#include <encage/manifold.h>
 #include <encage/mass_properties.h>
 #include <encage/mesh.h>
 #include <encage/poses.h>

@@ -134,7 +134,7 @@ double approach(const btCollisionObjectWrapper& a, const Side& side_a, const btC
          ((v_a.linear - v_b.linear).norm() + turning(v_a, a, side_a, b, side_b) + turning(v_b, b, side_b, a, side_a));
 }
 
-/// Where the velocity leads a shape within `dt`. Bodies turn about their origins.
+/// Returns the pose to which the velocity leads a shape within `dt`. Bodies turn about their origins.
 Eigen::Isometry3d moved(const Eigen::Isometry3d& start, const btCollisionObject& object, double dt) {
   const Velocity v(object, dt);
   const double angle = v.angular.norm() * dt;
@@ -192,7 +192,7 @@ void check_range(const char* name, double value, double least, double most) {
 
 }  // namespace
 
-/// What the algorithms of all pairs share.
+/// Holds what the algorithms of all pairs share.
 class ENCAGE_HIDDEN BulletMeshContacts::State : public std::enable_shared_from_this<State> {
  public:
   State(btCollisionDispatcher& dispatcher, const BulletMeshOptions& options)
