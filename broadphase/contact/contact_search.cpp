@@ -83,12 +83,13 @@ class Search {
     if (s_.candidates.size() == first) last_resort(first);
   }
 
-  void run_again(const ContactMemory& memory) {
+  void run_again(const ContactMemory& memory, double approach) {
     again_ = true;
     const std::size_t first = s_.candidates.size();
-    again(s_.a, s_.b, true, memory.vertices_a);
-    again(s_.b, s_.a, false, memory.vertices_b);
+    again(s_.a, s_.b, true, memory.vertices_a, approach);
+    again(s_.b, s_.a, false, memory.vertices_b, approach);
     for (const ContactMemory::Edges& pair : memory.edges) {
+      if (pair.distance - approach > limit_) continue;
       ContactEdge a, b;
       if (edge_at(s_.a, pair.a, a) && edge_at(s_.b, pair.b, b)) edge_pair(a, b);
     }
@@ -159,7 +160,7 @@ class Search {
     const Vector apart = on_a - on_b;
     const double depth = std::min(a.length, b.length);
     if (memory_ != nullptr && wide_ > limit_ && apart.norm() <= depth + wide_)
-      memory_->edges.push_back({a.side, b.side});
+      memory_->edges.push_back({a.side, b.side, apart.norm() - depth});
     const bool forth = turn_ > 0 ? meet(region_slack, n) : near_forth,
                back = turn_ > 0 ? meet(region_slack, -n) : near_back;
     if (!forth && !back) return;
@@ -195,26 +196,17 @@ class Search {
   }
 
   /// Locates the vertices near the other body, finds those inside it, and makes contacts of both. With `anywhere` it
-  /// starts from any vertex of the guest, which may be wholly inside the host.
+  /// starts from any vertex of each part of the guest, which may be wholly inside the host.
   void vertices_of(ContactBody& guest, ContactBody& host, bool guest_is_a, bool anywhere) {
-    if (anywhere && !host.solid) return;
-    const auto start = anywhere ? static_cast<std::size_t>(guest.vertex(0, 0)) : 0;
     s_.located.clear();
     s_.located.resize(guest.vertices.size());
-    if (anywhere) {
-      const Vector p = host.inverse(guest.vertices[start].position);
-      const Surface& surface = *host.surface;
-      if ((p.array() < surface.lower.cast<double>().array() || p.array() > surface.upper.cast<double>().array())
-              .any()) {
-        return;
-      }
-      locate_anywhere(host, guest.vertices[start], s_.located[start]);
-    }
+    if (anywhere && !(host.solid && locate_parts(guest, host))) return;
     for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
       const ContactVertex& v = guest.vertices[i];
       if (reaches(guest, v, v.any)) locate(host, v, v.any_triangle, s_.located[i]);
     }
     if (host.solid) {
+      if (!anywhere && guest.features->part_sides.size() > 1) locate_parts(guest, host);
       locate_crossing(guest, host, guest_is_a);
       flood(guest, host, guest_is_a);
     }
@@ -243,26 +235,30 @@ class Search {
       const ContactScratch::Located& located = s_.located[i];
       if (located.where == Where::unknown || (located.where == Where::outside && !reaches(guest, v, v.any))) continue;
       const std::int32_t facing = located.way_out >= 0 ? located.way_out : v.facing_triangle;
-      vertices.push_back({v.side, located.nearest.triangle, facing});
+      const double distance = located.where == Where::inside ? 0 : std::sqrt(v.any);
+      vertices.push_back({v.side, located.nearest.triangle, facing, distance});
     }
   }
 
-  /// Looks at the vertices that are remembered: their nearest triangles are those of then, or beside them.
+  /// Looks at the vertices that are remembered and may be near by now. Nearest triangles are mostly those of then, or
+  /// beside them, which bounds the search for what is nearer. The triangle through which a vertex inside leaves is that
+  /// of then, or beside it.
   void again(ContactBody& guest, const ContactBody& host, bool guest_is_a,
-             std::span<const ContactMemory::Vertex> vertices) {
+             std::span<const ContactMemory::Vertex> vertices, double approach) {
     s_.located.clear();
-    s_.located.resize(vertices.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const std::int32_t side = vertices[i].side;
-      guest.vertex(side / 3, side % 3);
-      ContactVertex& v = guest.vertices[i];
+    for (const ContactMemory::Vertex& remembered : vertices) {
+      if (remembered.distance - approach > limit_) continue;
+      guest.vertex(remembered.side / 3, remembered.side % 3);
+      ContactVertex& v = guest.vertices.back();
       const Vector p = host.inverse(v.position);
-      ContactScratch::Located& located = s_.located[i];
-      located.nearest = descend(host, p, vertices[i].nearest, [](std::int32_t) { return true; });
+      ContactScratch::Located& located = s_.located.emplace_back();
+      located.nearest = nearest_on(host, p, remembered.nearest);
+      SurfacePoint nearer;
+      if (nearest_point(*host.surface, p, located.nearest.distance, nearer)) located.nearest = nearer;
       v.any = std::pow(located.nearest.distance * host.scale, 2);
       v.any_triangle = located.nearest.triangle;
-      if (vertices[i].facing >= 0) {
-        const SurfacePoint facing = descend(host, p, vertices[i].facing, [&](std::int32_t t) {
+      if (remembered.facing >= 0) {
+        const SurfacePoint facing = descend(host, p, remembered.facing, [&](std::int32_t t) {
           return v.normal.dot(host.face_normal(t)) < v.most_cosine;
         });
         v.facing = std::pow(facing.distance * host.scale, 2);
@@ -277,18 +273,12 @@ class Search {
   template <class Filter>
   static SurfacePoint descend(const ContactBody& host, const Vector& p, std::int32_t start, const Filter& passes) {
     constexpr int most_steps = 16;
-    const auto nearest_on = [&](std::int32_t t) {
-      const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(t, k)); };
-      SurfacePoint point = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
-      point.triangle = t;
-      return point;
-    };
-    SurfacePoint best = nearest_on(start);
+    SurfacePoint best = nearest_on(host, p, start);
     for (int step = 0; step < most_steps && best.kind != SurfacePoint::Kind::face; ++step) {
       const SurfacePoint from = best;
       const auto consider = [&](std::int32_t t) {
         if (t == from.triangle || !passes(t)) return;
-        const SurfacePoint point = nearest_on(t);
+        const SurfacePoint point = nearest_on(host, p, t);
         if (point.distance < best.distance) best = point;
       };
       if (from.kind == SurfacePoint::Kind::vertex) {
@@ -302,13 +292,18 @@ class Search {
     return best;
   }
 
+  static SurfacePoint nearest_on(const ContactBody& host, const Vector& p, std::int32_t triangle) {
+    const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(triangle, k)); };
+    SurfacePoint point = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
+    point.triangle = triangle;
+    return point;
+  }
+
   /// Takes the nearest triangle.
   void locate(const ContactBody& host, const ContactVertex& v, std::int32_t triangle,
               ContactScratch::Located& located) const {
     const Vector p = host.inverse(v.position);
-    const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(triangle, k)); };
-    located.nearest = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
-    located.nearest.triangle = triangle;
+    located.nearest = nearest_on(host, p, triangle);
     set_side(host, p, v, located);
   }
 
@@ -322,6 +317,29 @@ class Search {
     const bool behind =
         on_surface ? host.direction(out).dot(v.normal) > -facing_cosine : out.dot(p - located.nearest.point) < 0;
     if (behind) located.where = Where::inside;
+  }
+
+  /// Locates one vertex of each part of the guest within the host's box: a part may be inside without touching the
+  /// host's surface. False if there is none.
+  bool locate_parts(ContactBody& guest, const ContactBody& host) {
+    bool any = false;
+    for (const std::int32_t side : guest.features->part_sides) {
+      const Vector p = host.inverse(guest.position(side / 3, side % 3));
+      if ((p.array() < host.surface->lower.cast<double>().array()).any() ||
+          (p.array() > host.surface->upper.cast<double>().array()).any()) {
+        continue;
+      }
+      any = true;
+      const auto v = static_cast<std::size_t>(guest.vertex(side / 3, side % 3));
+      if (v >= s_.located.size()) s_.located.resize(v + 1);
+      if (s_.located[v].where != Where::unknown) continue;
+      locate_anywhere(host, guest.vertices[v], s_.located[v]);
+      // Normals tell nothing next to faces that coincide.
+      const Side side_of_host = encage::locate(*host.surface, p);
+      if (side_of_host == Side::inside) s_.located[v].where = Where::inside;
+      if (side_of_host == Side::outside) s_.located[v].where = Where::outside;
+    }
+    return any;
   }
 
   void locate_anywhere(const ContactBody& host, const ContactVertex& v, ContactScratch::Located& located) const {
@@ -475,13 +493,16 @@ class Search {
     const Vector* const before = side_before(feature);
     const double wanted = before != nullptr ? host.direction(*before).dot(normal) : -v.normal.dot(normal);
     double separation = distance;
+    const bool touches = distance <= 4 * error_;
     if (before != nullptr || guest.solid) {
-      if (std::abs(wanted) < -facing_cosine) return;
-      if (wanted < 0) {
+      if (touches && std::abs(wanted) < -facing_cosine) return;
+      if (wanted < facing_cosine) {
         if (std::abs(face.dot(normal)) < 0.7) return;  // beyond the boundary
-        if (before == nullptr && (distance > limit_ || !straddles(guest, v, on_host, normal))) return;
-        normal = -normal;
-        separation = -distance;
+        const bool near = before != nullptr || touches;
+        if (near || (distance <= limit_ && crosses(guest, v, host.triangle(nearest.triangle)))) {
+          normal = -normal;
+          separation = -distance;
+        }
       }
     }
     if (!may_point(guest, host, v, nearest, normal)) return;
@@ -489,14 +510,12 @@ class Search {
     if (!normal.isZero()) new_sides_.push_back({feature, host.local_direction(normal).cast<float>()});
   }
 
-  /// True if a neighbour of the vertex is on the other side of the plane.
-  static bool straddles(const ContactBody& guest, const ContactVertex& v, const Vector& on_plane,
-                        const Vector& normal) {
-    bool crosses = false;
-    visit_around(*guest.features, v.side / 3, v.side % 3, [&](std::int32_t t) {
-      for (int k = 0; k < 3; ++k) crosses = crosses || normal.dot(guest.position(t, k) - on_plane) < 0;
-    });
-    return crosses;
+  /// True if a face at the vertex crosses the triangle.
+  static bool crosses(const ContactBody& guest, const ContactVertex& v, const TriangleD& triangle) {
+    bool any = false;
+    visit_around(*guest.features, v.side / 3, v.side % 3,
+                 [&](std::int32_t t) { any = any || triangles_cross(guest.triangle(t), triangle, 0); });
+    return any;
   }
 
   /// True if points that `direction` leads to have the vertex as their nearest feature.
@@ -599,9 +618,7 @@ class Search {
       if (found) one = out;
       if (search(-axis, facing_cosine) && found && one.distance < out.distance) out = one;
     } else if (v.facing <= wide_ * wide_ || (again_ && v.facing_triangle >= 0)) {
-      const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(v.facing_triangle, k)); };
-      out = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
-      out.triangle = v.facing_triangle;
+      out = nearest_on(host, p, v.facing_triangle);
     } else {
       // What faces a vertex on the side of a bar may be the bar's far end.
       const bool found = v.most_cosine < 1 && search(v.normal, facing_cosine);
@@ -695,6 +712,7 @@ class Search {
   /// Edges that have passed each other count where nothing beside them has entered less deep: vertices tell depths
   /// better, and far edges of a corner that has entered cross as well.
   void add_crossings(std::size_t first) {
+    const bool both_solid = s_.a.solid && s_.b.solid;
     std::sort(s_.crossings.begin(), s_.crossings.end(),
               [](const ContactScratch::Crossing& x, const ContactScratch::Crossing& y) {
                 return std::tie(y.contact.separation, x.contact.feature) <
@@ -714,7 +732,8 @@ class Search {
         return (other.point_a - c.point_a).norm() < far;
       };
       if (std::none_of(s_.candidates.begin() + static_cast<std::ptrdiff_t>(first), s_.candidates.end(), tells) &&
-          holds(s_.b, c.point_a) && holds(s_.a, c.point_b)) {
+          holds(s_.b, c.point_a) && holds(s_.a, c.point_b) &&
+          (both_solid || faces_meet(crossing.edge_a, crossing.edge_b))) {
         s_.candidates.push_back(c);
       }
     }
@@ -726,6 +745,18 @@ class Search {
     if (!body.solid || !nearest_point(*body.surface, p, std::numeric_limits<double>::infinity(), nearest)) return true;
     return nearest.distance * body.scale <= 4 * error_ ||
            feature_normal(*body.surface, *body.features, nearest).dot(p - nearest.point) <= 0;
+  }
+  /// True if a face at one edge touches a face at the other. Surfaces that enclose nothing have crossed only there.
+  bool faces_meet(std::int32_t edge_a, std::int32_t edge_b) const {
+    const std::int32_t of_a[] = {edge_a, s_.a.features->twin_of(edge_a)};
+    const std::int32_t of_b[] = {edge_b, s_.b.features->twin_of(edge_b)};
+    for (const std::int32_t a : of_a) {
+      for (const std::int32_t b : of_b) {
+        if (a < 0 || b < 0) continue;
+        if (!(triangle_distance(s_.a.triangle(a / 3), s_.b.triangle(b / 3), error_).lower > 0)) return true;
+      }
+    }
+    return false;
   }
   static double length_of(const ContactBody& body, std::int32_t side) {
     return (body.position(side / 3, (side % 3 + 1) % 3) - body.position(side / 3, side % 3)).norm();
@@ -796,8 +827,9 @@ void find_contacts(ContactScratch& scratch, const ContactQuery& query, ContactMe
   Search(scratch, query, memory).run();
 }
 
-void find_contacts_again(ContactScratch& scratch, const ContactQuery& query, const ContactMemory& memory) {
-  Search(scratch, query, nullptr).run_again(memory);
+void find_contacts_again(ContactScratch& scratch, const ContactQuery& query, const ContactMemory& memory,
+                         double approach) {
+  Search(scratch, query, nullptr).run_again(memory, approach);
 }
 
 }  // namespace encage

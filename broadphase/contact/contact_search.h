@@ -28,9 +28,11 @@ struct ContactMemory {
   struct Vertex {
     std::int32_t side;             ///< 3 t + k
     std::int32_t nearest, facing;  ///< triangles of the other body; -1 if there is none
+    double distance;               ///< to the other body; 0 inside it
   };
   struct Edges {
     std::int32_t a, b;
+    double distance;
   };
   std::vector<Vertex> vertices_a, vertices_b;
   std::vector<Edges> edges;
@@ -95,8 +97,9 @@ struct ContactQuery {
 /// remembers everything within memory->reach of that, too.
 void find_contacts(ContactScratch& scratch, const ContactQuery& query, ContactMemory* memory);
 
-/// The same for bodies that have approached each other by less than memory.reach, this step included, since the memory
-/// was made.
-void find_contacts_again(ContactScratch& scratch, const ContactQuery& query, const ContactMemory& memory);
+/// The same for bodies that have approached each other by at most `approach` <= memory.reach, this step included, since
+/// the memory was made.
+void find_contacts_again(ContactScratch& scratch, const ContactQuery& query, const ContactMemory& memory,
+                         double approach);
 
 }  // namespace encage

@@ -89,10 +89,12 @@ void search_with_memory(ContactScratch& search, const ContactQuery& query, doubl
   const ContactBody &a = search.a, &b = search.b;
   const bool same = memory.surface_a == a.surface && memory.surface_b == b.surface && memory.scale_a == a.scale &&
                     memory.scale_b == b.scale;
-  if (memory.reach >= 0 && same &&
-      drift(search, memory.relative) + ahead + std::max(0.0, query.limit - memory.limit) <= memory.reach) {
-    find_contacts_again(search, query, memory);
-    if (nothing() || !search.candidates.empty()) return;
+  if (memory.reach >= 0 && same) {
+    const double approach = drift(search, memory.relative) + ahead;
+    if (approach + std::max(0.0, query.limit - memory.limit) <= memory.reach) {
+      find_contacts_again(search, query, memory, approach);
+      if (nothing() || !search.candidates.empty()) return;
+    }
   }
   memory.clear();
   const bool round = a.round || b.round;

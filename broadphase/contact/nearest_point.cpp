@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "broadphase/contact/nearest_point.cpp"
+#include <hwy/foreach_target.h>  // compiles the following once for every instruction set
+
 #include "broadphase/contact/nearest_point.h"
 
 #include "src/tree/visit.h"
 
 #include <Eigen/Geometry>
+#include <hwy/highway.h>
+// clang-format on
 
 #include <algorithm>
 #include <array>
@@ -11,6 +18,201 @@
 #include <cstddef>
 #include <limits>
 
+HWY_BEFORE_NAMESPACE();
+namespace encage::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+namespace {
+
+// ---- Boxes ---------------------------------------------------------------------
+
+using BoxLanes = hn::CappedTag<float, MeshNode::width>;
+
+template <class Integer>
+HWY_INLINE hn::Vec<BoxLanes> load_as_float(const Integer* from) {
+  const BoxLanes d;
+  const hn::Rebind<Integer, BoxLanes> from_type;
+  const hn::Rebind<std::int32_t, BoxLanes> wide;
+  return hn::ConvertTo(d, hn::PromoteTo(wide, hn::LoadU(from_type, from)));
+}
+
+/// Bounds from below, but for rounding, the squared distances in grid steps from p to what lies in the boxes and slabs.
+HWY_INLINE void squared_distances_to_boxes(const MeshNode& node, const std::array<float, 3>& p,
+                                           std::array<float, MeshNode::width>& squared) {
+  const BoxLanes d;
+  const auto zero = hn::Zero(d);
+  for (std::size_t first = 0; first < static_cast<std::size_t>(MeshNode::width); first += hn::Lanes(d)) {
+    auto sum = zero, along = zero, length = zero;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto at = hn::Set(d, p[axis]);
+      const auto below = hn::Sub(load_as_float(node.lower[axis] + first), at),
+                 above = hn::Sub(at, load_as_float(node.upper[axis] + first));
+      const auto beside = hn::Max(hn::Max(below, above), zero);
+      sum = hn::MulAdd(beside, beside, sum);
+      const auto n = load_as_float(node.normal[axis] + first);
+      along = hn::MulAdd(n, at, along);
+      length = hn::MulAdd(n, n, length);
+    }
+    const auto unit = hn::Set(d, static_cast<float>(MeshNode::slab_unit));
+    const auto below = hn::NegMulAdd(along, hn::Set(d, 1.0F / static_cast<float>(MeshNode::slab_unit)),
+                                     load_as_float(node.slab_lower + first)),
+               above = hn::MulSub(along, hn::Set(d, 1.0F / static_cast<float>(MeshNode::slab_unit)),
+                                  load_as_float(node.slab_upper + first));
+    const auto beside = hn::Mul(hn::Max(hn::Max(below, above), zero), unit);
+    // Unused lanes and nodes without a slab have normals of length 0.
+    const auto from_slab = hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(hn::Mul(beside, beside), length));
+    hn::StoreU(hn::Max(sum, from_slab), d, squared.data() + first);
+  }
+}
+
+// ---- Triangles of a leaf ---------------------------------------------------------
+
+using Lanes = hn::CappedTag<double, MeshTree::leaf_size>;
+using Vec = hn::Vec<Lanes>;
+
+struct Vec3 {
+  Vec x, y, z;
+};
+
+HWY_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE Vec dot(const Vec3& a, const Vec3& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+HWY_INLINE Vec3 repeat(const Eigen::Vector3d& v) {
+  const Lanes d;
+  return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
+}
+
+/// Corners of up to four triangles, side by side.
+struct Corners {
+  alignas(32) std::array<std::array<std::array<double, MeshTree::leaf_size>, 3>, 3> c;
+
+  Corners(const MeshView& mesh, std::span<const LeafTriangle> triangles) {
+    for (std::size_t lane = 0; lane < MeshTree::leaf_size; ++lane) {
+      const LeafTriangle& triangle = triangles[std::min(lane, triangles.size() - 1)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::array<float, 3>& v = mesh.vertices[static_cast<std::size_t>(triangle.vertices[k])];
+        for (std::size_t axis = 0; axis < 3; ++axis) c[k][axis][lane] = static_cast<double>(v[axis]);
+      }
+    }
+  }
+  HWY_INLINE Vec3 load(std::size_t k, std::size_t first) const {
+    const Lanes d;
+    return {hn::Load(d, c[k][0].data() + first), hn::Load(d, c[k][1].data() + first),
+            hn::Load(d, c[k][2].data() + first)};
+  }
+};
+
+/// Squared distances from p to the triangles; infinite where the normal does not pass the filter.
+HWY_INLINE void squared_distances(const Corners& corners, const Eigen::Vector3d& p, const NormalFilter& filter,
+                                  std::array<double, MeshTree::leaf_size>& squared) {
+  const Lanes d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1);
+  for (std::size_t first = 0; first < MeshTree::leaf_size; first += hn::Lanes(d)) {
+    const Vec3 corner[3] = {corners.load(0, first), corners.load(1, first), corners.load(2, first)};
+    const Vec3 along[3] = {corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]};
+    const Vec3 n = cross(along[0], along[1]);
+    const auto nn = dot(n, n);
+    auto above = hn::Gt(nn, zero);
+    auto least = hn::Set(d, std::numeric_limits<double>::infinity());
+    auto height = zero;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 from = repeat(p) - corner[k];
+      if (k == 0) height = dot(from, n);
+      above = hn::And(above, hn::Gt(dot(from, cross(n, along[k])), zero));
+      const auto length = dot(along[k], along[k]);
+      const auto part = hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(dot(from, along[k]), length));
+      const auto s = hn::Min(hn::Max(part, zero), one);
+      const Vec3 rest = from - Vec3{hn::Mul(s, along[k].x), hn::Mul(s, along[k].y), hn::Mul(s, along[k].z)};
+      least = hn::Min(least, dot(rest, rest));
+    }
+    auto result = hn::IfThenElse(above, hn::Div(hn::Mul(height, height), nn), least);
+    if (filter.most < 1) {
+      const auto passes = hn::Lt(dot(n, repeat(filter.axis)), hn::Mul(hn::Set(d, filter.most), hn::Sqrt(nn)));
+      result = hn::IfThenElse(passes, result, hn::Set(d, std::numeric_limits<double>::infinity()));
+    }
+    hn::Store(result, d, squared.data() + first);
+  }
+}
+
+}  // namespace
+
+std::int32_t nearest_triangle(const MeshArraysView& surface, const Eigen::Vector3d& p, double reach,
+                              const NormalFilter& filter) {
+  const MeshTreeView& tree = surface.tree;
+  const double step = static_cast<double>(tree.grid.step);
+  std::array<float, 3> at;
+  // What rounding to float may cost, in grid steps: of the point, of boxes of up to 2^15 steps, and of their distance.
+  double slack = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double coordinate = tree.grid.coordinate(static_cast<int>(axis), p[static_cast<Eigen::Index>(axis)]);
+    at[axis] = static_cast<float>(coordinate);
+    slack += 1e-6 * std::abs(coordinate);
+  }
+  struct Entry {
+    std::int32_t node;
+    float squared;
+  };
+  std::array<Entry, traversal_stack_size> stack;
+  std::size_t size = 0;
+  stack[size++] = {0, 0};
+  std::int32_t nearest = -1;
+  double least = reach * reach;
+  double limit = 0;
+  const auto set_limit = [&] {
+    const double steps = std::sqrt(least) / step + slack;
+    limit = steps * steps;
+  };
+  set_limit();
+  while (size > 0) {
+    const Entry entry = stack[--size];
+    if (static_cast<double>(entry.squared) > limit) continue;
+    const MeshNode& node = tree.nodes[static_cast<std::size_t>(entry.node)];
+    std::array<float, MeshNode::width> to_box;
+    squared_distances_to_boxes(node, at, to_box);
+    const std::size_t bottom = size;
+    for (int lane = 0; lane < MeshNode::width; ++lane) {
+      const int count = node.count(lane);
+      if (count == MeshNode::unused) break;
+      const float lane_squared = to_box[static_cast<std::size_t>(lane)];
+      if (static_cast<double>(lane_squared) > limit) continue;
+      if (count == MeshNode::inner) {
+        // The nearest one last, to be opened first.
+        std::size_t place = size++;
+        for (; place > bottom && stack[place - 1].squared < lane_squared; --place) stack[place] = stack[place - 1];
+        stack[place] = {node.child(lane), lane_squared};
+        continue;
+      }
+      auto leaf = tree.leaves.subspan(static_cast<std::size_t>(node.child(lane)), static_cast<std::size_t>(count));
+      while (!leaf.empty()) {
+        const auto four = leaf.first(std::min<std::size_t>(leaf.size(), MeshTree::leaf_size));
+        leaf = leaf.subspan(four.size());
+        alignas(32) std::array<double, MeshTree::leaf_size> squared;
+        squared_distances(Corners(surface.mesh, four), p, filter, squared);
+        const double before = least;
+        for (std::size_t i = 0; i < four.size(); ++i) {
+          if (!(squared[i] < least || (squared[i] == least && nearest > four[i].triangle))) continue;
+          least = squared[i];
+          nearest = four[i].triangle;
+        }
+        if (least < before) set_limit();
+      }
+    }
+  }
+  return nearest;
+}
+
+}  // namespace encage::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace encage {
 namespace {
 
@@ -20,21 +222,7 @@ Vector vertex(const MeshView& mesh, std::uint32_t v) {
   return Eigen::Map<const Eigen::Vector3f>(mesh.vertices[v].data()).cast<double>();
 }
 
-TriangleD corners(const MeshView& mesh, std::int32_t triangle) {
-  const auto& t = mesh.triangles[static_cast<std::size_t>(triangle)];
-  return {vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2])};
-}
-
-/// The squared distance from p to the boxes of a node, in grid steps.
-void box_distances(const MeshNode& node, const Vector& p, std::array<double, MeshNode::width>& squared) {
-  squared.fill(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int lane = 0; lane < MeshNode::width; ++lane) {
-      const double beside = std::max({node.lower[axis][lane] - p[axis], p[axis] - node.upper[axis][lane], 0.0});
-      squared[static_cast<std::size_t>(lane)] += beside * beside;
-    }
-  }
-}
+HWY_EXPORT(nearest_triangle);
 
 }  // namespace
 
@@ -68,56 +256,16 @@ SurfacePoint nearest_in_triangle(const Vector& p, const TriangleD& t) {
 
 bool nearest_point(const MeshArraysView& surface, const Vector& p, double reach, SurfacePoint& nearest,
                    const NormalFilter& filter) {
-  const MeshTreeView& tree = surface.tree;
-  const double step = static_cast<double>(tree.grid.step);
-  Vector at;
-  for (int axis = 0; axis < 3; ++axis) at[axis] = tree.grid.coordinate(axis, p[axis]);
-  struct Entry {
-    std::int32_t node;
-    double squared;
-  };
-  std::array<Entry, traversal_stack_size> stack;
-  int size = 0;
-  stack[static_cast<std::size_t>(size++)] = {0, 0};
-  nearest.distance = reach;
-  nearest.triangle = -1;
-  // Grid coordinates of the point and of the boxes round by a few units.
-  const double slack = 1e-12 * (at.norm() + MeshNode::slab_unit * MeshNode::slab_unit);
-  const auto out_of_reach = [&](double squared) {
-    const double limit = nearest.distance / step + slack;
-    return squared > limit * limit;
-  };
-  while (size > 0) {
-    const Entry entry = stack[static_cast<std::size_t>(--size)];
-    if (out_of_reach(entry.squared)) continue;
-    const MeshNode& node = tree.nodes[static_cast<std::size_t>(entry.node)];
-    std::array<double, MeshNode::width> squared;
-    box_distances(node, at, squared);
-    const int first = size;
-    for (int lane = 0; lane < MeshNode::width; ++lane) {
-      const int count = node.count(lane);
-      const double lane_squared = squared[static_cast<std::size_t>(lane)];
-      if (count == MeshNode::unused) break;
-      if (out_of_reach(lane_squared)) continue;
-      if (count == MeshNode::inner) {
-        stack[static_cast<std::size_t>(size++)] = {node.child(lane), lane_squared};
-        continue;
-      }
-      for (const LeafTriangle& leaf :
-           tree.leaves.subspan(static_cast<std::size_t>(node.child(lane)), static_cast<std::size_t>(count))) {
-        const TriangleD triangle = corners(surface.mesh, leaf.triangle);
-        SurfacePoint found = nearest_in_triangle(p, triangle);
-        found.triangle = leaf.triangle;
-        const bool better = found.distance < nearest.distance ||
-                            (found.distance == nearest.distance && nearest.triangle > leaf.triangle);
-        if (better && (filter.most >= 1 || unit_normal(triangle).dot(filter.axis) < filter.most)) nearest = found;
-      }
-    }
-    // The nearest one last, to be opened first.
-    std::sort(stack.begin() + first, stack.begin() + size,
-              [](const Entry& x, const Entry& y) { return x.squared > y.squared; });
+  const std::int32_t triangle = HWY_DYNAMIC_DISPATCH(nearest_triangle)(surface, p, reach, filter);
+  if (triangle < 0) {
+    nearest.triangle = -1;
+    return false;
   }
-  return nearest.triangle >= 0;
+  const auto& t = surface.mesh.triangles[static_cast<std::size_t>(triangle)];
+  nearest =
+      nearest_in_triangle(p, {vertex(surface.mesh, t[0]), vertex(surface.mesh, t[1]), vertex(surface.mesh, t[2])});
+  nearest.triangle = triangle;
+  return true;
 }
 
 Vector feature_normal(const MeshArraysView& surface, const SurfaceFeatures& features, const SurfacePoint& point) {
@@ -142,3 +290,4 @@ Vector feature_normal(const MeshArraysView& surface, const SurfaceFeatures& feat
 }
 
 }  // namespace encage
+#endif

@@ -97,7 +97,7 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   /// Returns the features of the fine mesh, which must be in memory. The first call makes them; they are kept. Thread
   /// safe.
   const SurfaceFeatures& features() const {
-    std::call_once(features_made_, [this] { features_ = make_surface_features(fine.mesh); });
+    std::call_once(features_made_, [this] { features_ = make_surface_features(fine.mesh, fine.parts); });
     return features_;
   }
 

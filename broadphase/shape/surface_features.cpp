@@ -48,22 +48,25 @@ std::vector<std::int32_t> find_twins(const MeshView& mesh) {
 
 }  // namespace
 
-SurfaceFeatures make_surface_features(const MeshView& mesh) {
+SurfaceFeatures make_surface_features(const MeshView& mesh, std::span<const MeshPart> parts) {
   SurfaceFeatures features;
   features.twin = find_twins(mesh);
   features.face_normal.reserve(mesh.triangles.size());
   std::vector<Vector> sums(mesh.vertices.size(), Vector::Zero());
+  std::vector<std::int32_t> sides(mesh.vertices.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::array<Vector, 3> c;
     for (std::size_t k = 0; k < 3; ++k) c[k] = vertex(mesh, mesh.triangles[t][k]);
     const Vector n = (c[1] - c[0]).cross(c[2] - c[0]).stableNormalized();
     features.face_normal.emplace_back(n.cast<float>());
     for (std::size_t k = 0; k < 3; ++k) {
+      sides[mesh.triangles[t][k]] = static_cast<std::int32_t>(3 * t + k);
       sums[mesh.triangles[t][k]] += angle(c[(k + 1) % 3] - c[k], c[(k + 2) % 3] - c[k]) * n;
     }
   }
   features.vertex_normal.reserve(sums.size());
   for (const Vector& sum : sums) features.vertex_normal.emplace_back(sum.stableNormalized().cast<float>());
+  for (const MeshPart& part : parts) features.part_sides.push_back(sides[static_cast<std::size_t>(part.vertex)]);
   return features;
 }
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace encage {
@@ -20,11 +21,13 @@ struct SurfaceFeatures {
   /// is a vertex only for points whose side this normal tells (Baerentzen and Aanaes 2005). 0 where triangles cancel.
   std::vector<Eigen::Vector3f> vertex_normal;
 
+  std::vector<std::int32_t> part_sides;  ///< per part of the mesh, a side that begins at its vertex
+
   std::int32_t twin_of(std::int32_t side) const { return twin[static_cast<std::size_t>(side)]; }
 };
 
 /// Linear time but for the sorting of edges.
-SurfaceFeatures make_surface_features(const MeshView& mesh);
+SurfaceFeatures make_surface_features(const MeshView& mesh, std::span<const MeshPart> parts);
 
 /// Calls visit(triangle) for the triangles around corner k of a triangle, as far as they hang together by edges of two.
 template <class Visit>

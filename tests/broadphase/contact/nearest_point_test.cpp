@@ -53,7 +53,7 @@ TEST(SurfaceFeatures, NormalsTellInsideFromOutside) {
     SCOPED_TRACE(body.sample.name);
     const Surface& fine = body.shape->simple().fine;
     if (!fine.closed) continue;
-    const SurfaceFeatures features = make_surface_features(fine.mesh);
+    const SurfaceFeatures features = make_surface_features(fine.mesh, fine.parts);
     const ExactBody exact(Vector::Zero(), body.mesh(), Eigen::Isometry3d::Identity());
     for (int round = 0; round < 60; ++round) {
       const Vector p = random(0, 0.6) * body.diagonal() * random_direction(random);
@@ -77,7 +77,7 @@ TEST(SurfaceFeatures, TwinsAreMutual) {
   for (const Body& body : sample_bodies()) {
     if (!body.has_fine()) continue;
     const Surface& fine = body.shape->simple().fine;
-    const SurfaceFeatures features = make_surface_features(fine.mesh);
+    const SurfaceFeatures features = make_surface_features(fine.mesh, fine.parts);
     for (std::size_t side = 0; side < features.twin.size(); ++side) {
       const std::int32_t twin = features.twin[side];
       if (twin < 0) continue;
