@@ -44,14 +44,15 @@ std::int32_t ContactBody::add_vertex(std::int32_t t, int corner) {
   entry.most_cosine = entry.normal.isZero() ? 2 : facing_cosine;
   entry.vertex = v;
   entry.side = 3 * t + corner;
+  const auto index = static_cast<std::int32_t>(vertices.size());
   vertices.push_back(entry);
-  return static_cast<std::int32_t>(vertices.size()) - 1;
+  vertex_index.insert(v, index);
+  return index;
 }
 
 std::int32_t ContactBody::vertex(std::int32_t t, int corner) {
-  std::int32_t& index = vertex_index[vertex_number(t, corner)];
-  if (index < 0) index = add_vertex(t, corner);
-  return index;
+  const std::int32_t known = vertex_index[vertex_number(t, corner)];
+  return known >= 0 ? known : add_vertex(t, corner);
 }
 
 bool ContactBody::edge(std::int32_t t, int k, const TriangleD& corners, const Vector& normal, ContactEdge& edge) const {
@@ -97,9 +98,10 @@ void ContactBody::add_edges(std::int32_t t, const TriangleD& corners, const Vect
 }
 
 std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
-  std::int32_t& index = leaf_index[first];
-  if (index >= 0) return index;
-  index = static_cast<std::int32_t>(leaves.size());
+  const std::int32_t known = leaf_index[first];
+  if (known >= 0) return known;
+  const auto index = static_cast<std::int32_t>(leaves.size());
+  leaf_index.insert(first, index);
   leaves.emplace_back();
   ContactLeaf& leaf = leaves.back();
   leaf.count = count;
@@ -115,7 +117,7 @@ std::int32_t ContactBody::leaf(std::int32_t first, std::int32_t count) {
     const unsigned owned = surface->owned[static_cast<std::size_t>(t)];
     for (int k = 0; k < 3; ++k) {
       if ((owned >> k & 1U) == 0) continue;
-      vertex_index[vertex_number(t, k)] = add_vertex(t, k);
+      add_vertex(t, k);
       ++leaf.vertex_count;
     }
     add_edges(t, corners, normal, owned, leaf);

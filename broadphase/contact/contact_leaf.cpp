@@ -61,9 +61,11 @@ HWY_INLINE Vec squared_distances(const ContactLeaf& leaf, std::size_t first, con
   return hn::IfThenElse(above, hn::Mul(height, height), least);
 }
 
-void note(const ContactLeaf& leaf, std::span<ContactVertex> vertices) {
+void note(const ContactLeaf& leaf, std::span<ContactVertex> vertices, double reach) {
   const Lanes d;
   for (ContactVertex& v : vertices) {
+    const Eigen::Vector3d beside = (leaf.lower - v.position).cwiseMax(v.position - leaf.upper).cwiseMax(0);
+    if (beside.squaredNorm() > std::min(std::max(v.any, v.facing), reach * reach)) continue;
     const Vec3 p = repeat(v.position), n = repeat(v.normal);
     for (std::size_t first = 0; first < static_cast<std::size_t>(ContactLeaf::width); first += hn::Lanes(d)) {
       const auto squared = squared_distances(leaf, first, p);
@@ -154,7 +156,9 @@ std::uint32_t may_touch(const ContactLeaf& a, int lane, const ContactLeaf& b, do
   return touching(a, static_cast<std::size_t>(lane), b, slack);
 }
 
-void note_nearest(const ContactLeaf& leaf, std::span<ContactVertex> vertices) { note(leaf, vertices); }
+void note_nearest(const ContactLeaf& leaf, std::span<ContactVertex> vertices, double reach) {
+  note(leaf, vertices, reach);
+}
 
 }  // namespace encage::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -168,6 +172,10 @@ void ContactLeaf::set(int lane, std::int32_t number, const std::array<Eigen::Vec
   const auto store = [&](Vectors& out, const Eigen::Vector3d& v) {
     for (std::size_t i = 0; i < 3; ++i) out[i][at] = v[static_cast<Eigen::Index>(i)];
   };
+  for (const Eigen::Vector3d& c : corners) {
+    lower = lower.cwiseMin(c);
+    upper = upper.cwiseMax(c);
+  }
   store(normal, n);
   bias[at] = n.isZero(0) ? -2 : 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -193,8 +201,8 @@ std::uint32_t may_touch(const ContactLeaf& a, int lane, const ContactLeaf& b, do
   return HWY_DYNAMIC_DISPATCH(may_touch)(a, lane, b, slack);
 }
 
-void note_nearest(const ContactLeaf& leaf, std::span<ContactVertex> vertices) {
-  HWY_DYNAMIC_DISPATCH(note_nearest)(leaf, vertices);
+void note_nearest(const ContactLeaf& leaf, std::span<ContactVertex> vertices, double reach) {
+  HWY_DYNAMIC_DISPATCH(note_nearest)(leaf, vertices, reach);
 }
 
 }  // namespace encage

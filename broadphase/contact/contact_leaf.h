@@ -24,6 +24,8 @@ struct ContactLeaf {
   alignas(32) std::array<Lanes, 3> weight;    ///< 1 / squared length of edge k; 0 if it has none
   alignas(32) Vectors normal;                 ///< unit length; 0 for a degenerate triangle
   alignas(32) Lanes bias;  ///< added to cosines with the normal: degenerate triangles face everything
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());  ///< box of the corners
+  Eigen::Vector3d upper = -lower;
   std::int32_t count = 0;
   std::array<std::int32_t, width> triangle{};
   std::int32_t first_vertex = 0, vertex_count = 0;  ///< among the vertices of the query that triangles of it own
@@ -59,8 +61,8 @@ struct ContactVertex {
   std::int32_t side = -1;  ///< 3 t + k: a triangle t that has it as corner k
 };
 
-/// Lets every vertex know of the triangles of a leaf. The result is the same on every instruction set.
-void note_nearest(const ContactLeaf& leaf, std::span<ContactVertex> vertices);
+/// Lets every vertex know of the triangles of a leaf within reach. The result is the same on every instruction set.
+void note_nearest(const ContactLeaf& leaf, std::span<ContactVertex> vertices, double reach);
 
 /// Returns the bits of the edges of `b` that may have a common perpendicular with edge `lane` of `a` that lies in b's
 /// region, up to `slack` radians.

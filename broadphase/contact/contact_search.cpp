@@ -50,13 +50,15 @@ class Search {
     s_.leaf_pairs.clear();
     s_.crossings.clear();
     for (ContactBody* body : {&s_.a, &s_.b}) {
-      body->leaf_index.clear();
-      body->vertex_index.clear();
+      body->leaf_index.clear(body->surface->tree.leaves.size());
+      body->vertex_index.clear(body->surface->mesh.vertices.size());
       body->leaves.clear();
       body->vertices.clear();
       body->edges.clear();
     }
+    far_ += query.approach;
     if (memory == nullptr || memory->reach <= 0) return;
+    far_ += memory->reach;
     wide_ = limit_ + memory->reach;
     turn_ = memory->reach / std::min(s_.a.scale * s_.a.surface->radius, s_.b.scale * s_.b.surface->radius);
   }
@@ -102,8 +104,8 @@ class Search {
     s_.leaf_pairs.push_back({index_a, index_b});
     const ContactLeaf &a = s_.a.leaves[static_cast<std::size_t>(index_a)],
                       &b = s_.b.leaves[static_cast<std::size_t>(index_b)];
-    note_nearest(b, vertices(s_.a, a));
-    note_nearest(a, vertices(s_.b, b));
+    note_nearest(b, vertices(s_.a, a), far_);
+    note_nearest(a, vertices(s_.b, b), far_);
     for (const ContactEdges& of_a : edges(s_.a, a)) {
       for (const ContactEdges& of_b : edges(s_.b, b)) {
         for (int i = 0; i < ContactEdges::width && of_a.length[static_cast<std::size_t>(i)] > 0; ++i) {
@@ -817,6 +819,7 @@ class Search {
   ContactMemory* const memory_;  ///< to be made, or null
   bool again_ = false;           ///< vertices come from a memory
   double wide_ = limit_;         ///< the limit for what is remembered
+  double far_ = limit_;          ///< no contact comes of what is farther apart than this at the start
   double turn_ = 0;              ///< radians that the bodies may turn while the memory holds
   Vector before_;
 };

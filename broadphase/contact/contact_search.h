@@ -88,6 +88,7 @@ struct ContactQuery {
   const PairMotion& motion;
   double limit = 0;                     ///< separation up to which contacts count at any speed
   double error = 0;                     ///< by which positions may be off
+  double approach = 0;                  ///< bounds how far surfaces approach each other during the step
   std::span<const ContactSide> sides;   ///< of the query before, sorted by feature
   std::vector<ContactSide>& new_sides;  ///< those of this one are appended, in no order
 };

@@ -84,7 +84,7 @@ constexpr double slow_margins = 8;
 constexpr double memory_margins = 1;
 
 void search_with_memory(ContactScratch& search, const ContactQuery& query, double margin, ContactMemory& memory) {
-  const double ahead = drift_ahead(search);
+  const double ahead = query.approach;
   const auto nothing = [&] { return memory.vertices_a.empty() && memory.vertices_b.empty() && memory.edges.empty(); };
   const ContactBody &a = search.a, &b = search.b;
   const bool same = memory.surface_a == a.surface && memory.surface_b == b.surface && memory.scale_a == a.scale &&
@@ -163,6 +163,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
         const ContactQuery query{.motion = motion,
                                  .limit = options.margin + radii,
                                  .error = pair.error + part_a.slack + part_b.slack,
+                                 .approach = drift_ahead(search),
                                  .sides = state.sides,
                                  .new_sides = state.new_sides};
         if (compound) {
@@ -199,10 +200,11 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
     const FineLease lease(*part.shape);
     const LocalFrame& frame = part.shape->frame;
     IndexMap& seen = search.a.vertex_index;
-    seen.clear();
+    seen.clear(part.shape->fine.mesh.vertices.size());
     PlaneCheck(*part.shape, part.shape->fine, part.motion, b, options.margin + radii)
         .visit_reaching([&](std::int32_t v, double) {
-          if (std::exchange(seen[v], 0) == 0) return;
+          if (seen[v] >= 0) return;
+          seen.insert(v, 0);
           const Eigen::Vector3d at =
               part.motion.start * (part.motion.scale * (frame.origin + part.shape->fine.vertex(v)));
           const double height = b.normal.dot(at) - b.offset;

@@ -65,7 +65,7 @@ TEST(ContactLeaf, FindsTheNearestTriangleAndTheNearestThatFaces) {
     }
     const auto found = expect_same_on_all_targets([&] {
       std::vector<ContactVertex> vertices(1, vertex);
-      note_nearest(sample.leaf, vertices);
+      note_nearest(sample.leaf, vertices, std::numeric_limits<double>::infinity());
       return std::tuple(vertices[0].any, vertices[0].any_triangle, vertices[0].facing, vertices[0].facing_triangle);
     });
     EXPECT_NEAR(std::get<0>(found), any, 1e-12);
