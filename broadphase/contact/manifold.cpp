@@ -132,6 +132,11 @@ class ManifoldCache::State {
 
 ManifoldCache::ManifoldCache() : state_(std::make_unique<State>()) {}
 ManifoldCache::~ManifoldCache() = default;
+ManifoldCache::ManifoldCache(const ManifoldCache& other) : state_(std::make_unique<State>(*other.state_)) {}
+ManifoldCache& ManifoldCache::operator=(const ManifoldCache& other) {
+  if (this != &other) *state_ = *other.state_;
+  return *this;
+}
 ManifoldCache::ManifoldCache(ManifoldCache&& other) noexcept = default;
 ManifoldCache& ManifoldCache::operator=(ManifoldCache&& other) noexcept = default;
 void ManifoldCache::clear() noexcept {

@@ -20,3 +20,4 @@
 #include <encage/shape_cache.h>
 #include <encage/version.h>
 #include <encage/world.h>
+#include <encage/world_contacts.h>

@@ -41,6 +41,8 @@ class ManifoldCache {
  public:
   ManifoldCache();
   ~ManifoldCache();
+  ManifoldCache(const ManifoldCache& other);  ///< remembers the same
+  ManifoldCache& operator=(const ManifoldCache& other);
   ManifoldCache(ManifoldCache&& other) noexcept;
   ManifoldCache& operator=(ManifoldCache&& other) noexcept;
 
