@@ -37,6 +37,7 @@ bool run(MicroArguments& a) {
   add_stages(workload);
   add_worlds(workload);
   add_loads(workload);
+  add_refits(workload);
   if (benchmark::RunSpecifiedBenchmarks() == 0) throw Error("no bench of that name");
   benchmark::Shutdown();
   return true;

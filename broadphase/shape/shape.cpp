@@ -3,6 +3,7 @@
 
 #include "src/limits.h"
 #include "src/mesh/rounding.h"
+#include "src/tree/refit.h"
 
 #include <encage/error.h>
 
@@ -188,6 +189,113 @@ ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options) {
   hierarchy.fine_error = round_vertices(hierarchy.fine);
   return make_shape(hierarchy, options);
 }
+
+// ---- Refitting ---------------------------------------------------------------
+
+namespace {
+
+/// A function of its own, because g++ 12 may drop (double)(float)x when both conversions are in one function.
+[[gnu::noinline]] void round_into(const Vertices& vertices, const Eigen::Vector3d& origin,
+                                  std::vector<std::array<float, 3>>& rounded) {
+  rounded.resize(static_cast<std::size_t>(vertices.rows()));
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+    for (int k = 0; k < 3; ++k) rounded[v][k] = static_cast<float>(vertices(v, k) - origin[k]);
+  }
+}
+
+/// Returns the largest distance by which vertices were moved.
+[[gnu::noinline]] double rounding_error(const Vertices& vertices, const Eigen::Vector3d& origin,
+                                        const std::vector<std::array<float, 3>>& rounded) {
+  double squared = 0;
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+    const Eigen::Vector3d local = vertices.row(v).transpose() - origin;
+    const auto stored = Eigen::Map<const Eigen::Vector3f>(rounded[v].data()).cast<double>();
+    squared = std::max(squared, (stored - local).squaredNorm());
+  }
+  return std::sqrt(squared) * (1 + 1e-12);  // the norm itself is rounded
+}
+
+void check_moved(const SimpleShape& shape, const Vertices& vertices) {
+  if (vertices.rows() != static_cast<Eigen::Index>(shape.fine_vertices)) {
+    throw Error("refit: " + std::to_string(vertices.rows()) + " vertices for a mesh of " +
+                std::to_string(shape.fine_vertices));
+  }
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+    // False for NaN, too.
+    if (vertices.row(v).cwiseAbs().maxCoeff() <= largest_coordinate && vertices.row(v).allFinite()) continue;
+    throw Error("refit: vertex " + std::to_string(v) +
+                (vertices.row(v).allFinite() ? " is too large for float32" : " is not finite"));
+  }
+}
+
+void find_extremes(const std::vector<std::int32_t>& part_of_vertex, MeshArrays& arrays) {
+  for (MeshPart& part : arrays.parts) part.extremes.fill(part.vertex);
+  for (std::size_t v = 0; v < part_of_vertex.size(); ++v) {
+    if (part_of_vertex[v] < 0) continue;
+    MeshPart& part = arrays.parts[part_of_vertex[v]];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float x = arrays.vertices[v][axis];
+      std::int32_t &least = part.extremes[2 * axis], &largest = part.extremes[2 * axis + 1];
+      if (x < arrays.vertices[least][axis]) least = static_cast<std::int32_t>(v);
+      if (x > arrays.vertices[largest][axis]) largest = static_cast<std::int32_t>(v);
+    }
+  }
+}
+
+}  // namespace
+
+const std::shared_ptr<const std::vector<std::int32_t>>& SimpleShape::part_of_vertex() const {
+  std::call_once(parts_known_, [this] {
+    if (known_parts) return;
+    TriangleMesh mesh;
+    mesh.vertices.setZero(static_cast<Eigen::Index>(fine.mesh.vertices.size()), 3);
+    mesh.triangles.resize(static_cast<Eigen::Index>(fine.mesh.triangles.size()), 3);
+    for (std::size_t t = 0; t < fine.mesh.triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) mesh.triangles(t, k) = static_cast<std::int32_t>(fine.mesh.triangles[t][k]);
+    }
+    std::vector<std::int32_t> label;
+    triangle_components(mesh, label);
+    auto parts = std::make_shared<std::vector<std::int32_t>>(fine.mesh.vertices.size(), -1);
+    for (std::size_t t = 0; t < fine.mesh.triangles.size(); ++t) {
+      for (const std::uint32_t v : fine.mesh.triangles[t]) (*parts)[v] = label[t];
+    }
+    known_parts = std::move(parts);
+  });
+  return known_parts;
+}
+
+ShapePtr refit_shape(const Shape& shape, const Vertices& vertices) {
+  if (shape.is_compound()) throw Error("refit: a compound; refit its parts and make it anew");
+  const SimpleShape& source = shape.simple();
+  if (source.on_demand) throw Error("refit: the mesh of a ShapeCache; load_shape() keeps it in memory");
+  if (source.fine.empty()) throw Error("refit: the shape has no fine mesh");
+  check_moved(source, vertices);
+  const auto& part_of_vertex = source.part_of_vertex();
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+    if ((*part_of_vertex)[v] >= 0) box.extend(vertices.row(v).transpose());
+  }
+  const Eigen::Vector3d origin = local_origin(box);
+  MeshArrays arrays;
+  const MeshArraysView& before = source.fine;
+  round_into(vertices, origin, arrays.vertices);
+  arrays.triangles.assign(before.mesh.triangles.begin(), before.mesh.triangles.end());
+  arrays.owned.assign(before.owned.begin(), before.owned.end());
+  arrays.parts.assign(before.parts.begin(), before.parts.end());
+  arrays.tree.nodes.assign(before.tree.nodes.begin(), before.tree.nodes.end());
+  arrays.tree.leaves.assign(before.tree.leaves.begin(), before.tree.leaves.end());
+  find_extremes(*part_of_vertex, arrays);
+  refit_tree(arrays.tree, {arrays.vertices, arrays.triangles});
+  const double error = rounding_error(vertices, origin, arrays.vertices);
+  const auto result = describe({origin, source.solid, error}, 0, {.hollow = source.hollow});
+  result->known_parts = part_of_vertex;
+  if (source.has_features()) result->known_twin = source.features().twin;
+  set_fine(*result, keep(*result, std::move(arrays)));
+  set_outline(*result);
+  return result;
+}
+
+// ---- Loading -----------------------------------------------------------------
 
 namespace {
 

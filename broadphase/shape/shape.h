@@ -11,6 +11,7 @@
 #include <encage/shape.h>
 
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <deque>
 #include <memory>
@@ -97,9 +98,22 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   /// Returns the features of the fine mesh, which must be in memory. The first call makes them; they are kept. Thread
   /// safe.
   const SurfaceFeatures& features() const {
-    std::call_once(features_made_, [this] { features_ = make_surface_features(fine.mesh, fine.parts); });
+    std::call_once(features_made_, [this] {
+      features_ = make_surface_features(fine.mesh, fine.parts, std::move(known_twin));
+      has_features_.store(true, std::memory_order_release);
+    });
     return features_;
   }
+  /// True if a call has been made and has returned.
+  bool has_features() const { return has_features_.load(std::memory_order_acquire); }
+
+  /// Returns the part of the fine mesh, which must be in memory, that each vertex belongs to; -1 where no triangle has
+  /// it. The first call finds them. Thread safe.
+  const std::shared_ptr<const std::vector<std::int32_t>>& part_of_vertex() const;
+
+  // What a shape of the same triangles knows already, or nothing.
+  mutable std::vector<std::int32_t> known_twin;
+  mutable std::shared_ptr<const std::vector<std::int32_t>> known_parts;
 
   // The memory that the surfaces refer to.
   std::deque<MeshArrays> owned_arrays;
@@ -107,8 +121,9 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   std::unique_ptr<OnDemandMesh> on_demand;  ///< set for a shape of a ShapeCache that has a fine mesh
 
  private:
-  mutable std::once_flag features_made_;
+  mutable std::once_flag features_made_, parts_known_;
   mutable SurfaceFeatures features_;
+  mutable std::atomic<bool> has_features_{false};
 };
 
 /// One part of a compound.

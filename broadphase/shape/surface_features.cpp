@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace encage {
 namespace {
@@ -48,9 +49,10 @@ std::vector<std::int32_t> find_twins(const MeshView& mesh) {
 
 }  // namespace
 
-SurfaceFeatures make_surface_features(const MeshView& mesh, std::span<const MeshPart> parts) {
+SurfaceFeatures make_surface_features(const MeshView& mesh, std::span<const MeshPart> parts,
+                                      std::vector<std::int32_t> twin) {
   SurfaceFeatures features;
-  features.twin = find_twins(mesh);
+  features.twin = twin.empty() ? find_twins(mesh) : std::move(twin);
   features.face_normal.reserve(mesh.triangles.size());
   std::vector<Vector> sums(mesh.vertices.size(), Vector::Zero());
   std::vector<std::int32_t> sides(mesh.vertices.size());

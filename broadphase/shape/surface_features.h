@@ -26,8 +26,9 @@ struct SurfaceFeatures {
   std::int32_t twin_of(std::int32_t side) const { return twin[static_cast<std::size_t>(side)]; }
 };
 
-/// Linear time but for the sorting of edges.
-SurfaceFeatures make_surface_features(const MeshView& mesh, std::span<const MeshPart> parts);
+/// Linear time but for the sorting of edges, which is left out if `twin` comes from a mesh of the same triangles.
+SurfaceFeatures make_surface_features(const MeshView& mesh, std::span<const MeshPart> parts,
+                                      std::vector<std::int32_t> twin = {});
 
 /// Calls visit(triangle) for the triangles around corner k of a triangle, as far as they hang together by edges of two.
 template <class Visit>

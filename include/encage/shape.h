@@ -39,6 +39,15 @@ ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options 
 /// above.
 ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options = {});
 
+/// Returns the same body with its vertices moved, for meshes that deform: the triangles, and the tree, whose boxes are
+/// fitted to the new places. That takes a twentieth of the time of make_shape() or less; queries get slower as
+/// triangles part that were neighbours in the tree (docs/performance.md). Make the shape anew after large changes.
+/// `vertices` has one row for each vertex of the fine mesh, in the body frame. Cages would no longer enclose the mesh:
+/// the result has none. Linear time. Throws Error for a compound, for a shape of a ShapeCache or without a fine mesh,
+/// for another number of vertices, and for coordinates that are not finite or beyond 1e37. Any number of threads may
+/// refit one shape.
+ShapePtr refit_shape(const Shape& shape, const Vertices& vertices);
+
 /// Maps an asset and uses it in place, trees included. The file must not be overwritten or truncated while the shape
 /// lives; it may be replaced or removed. LoadMode::copy reads the file into memory instead and then no longer needs it.
 /// Throws Error naming file, section and reason. ShapeCache loads more assets than fit in memory.

@@ -23,21 +23,6 @@ double half_area(const BvhNode& node) {
   return x * y + y * z + z * x;
 }
 
-/// The last grid coordinate not above x, and the first not below x.
-std::int16_t coordinate_below(const TreeGrid& grid, int axis, float x) {
-  const double exact = grid.coordinate(axis, static_cast<double>(x));
-  auto coordinate = static_cast<std::int16_t>(std::clamp(std::floor(exact), -32768.0, 32767.0));
-  while (grid.at(axis, coordinate) > x && coordinate > -32768) --coordinate;
-  return coordinate;
-}
-
-std::int16_t coordinate_above(const TreeGrid& grid, int axis, float x) {
-  const double exact = grid.coordinate(axis, static_cast<double>(x));
-  auto coordinate = static_cast<std::int16_t>(std::clamp(std::ceil(exact), -32768.0, 32767.0));
-  while (grid.at(axis, coordinate) < x && coordinate < 32767) ++coordinate;
-  return coordinate;
-}
-
 /// Collapses the nodes of a binary tree to wide ones.
 class Widener {
  public:
@@ -67,10 +52,8 @@ class Widener {
         MeshNode& wide = tree_.nodes[task.wide];
         for (int axis = 0; axis < 3; ++axis) {
           // Unused lanes have empty boxes, so that tests rarely report them.
-          wide.lower[axis][lane] =
-              lane < count ? coordinate_below(tree_.grid, axis, node.lower[axis]) : std::int16_t{32767};
-          wide.upper[axis][lane] =
-              lane < count ? coordinate_above(tree_.grid, axis, node.upper[axis]) : std::int16_t{-32768};
+          wide.lower[axis][lane] = lane < count ? tree_.grid.below(axis, node.lower[axis]) : std::int16_t{32767};
+          wide.upper[axis][lane] = lane < count ? tree_.grid.above(axis, node.upper[axis]) : std::int16_t{-32768};
         }
         wide.set_link(lane, 0, MeshNode::unused);
         if (lane >= count) continue;
@@ -244,6 +227,20 @@ class TreeChecker {
 };
 
 }  // namespace
+
+std::int16_t TreeGrid::below(int axis, float x) const {
+  const double exact = coordinate(axis, static_cast<double>(x));
+  auto rounded = static_cast<std::int16_t>(std::clamp(std::floor(exact), -32768.0, 32767.0));
+  while (at(axis, rounded) > x && rounded > -32768) --rounded;
+  return rounded;
+}
+
+std::int16_t TreeGrid::above(int axis, float x) const {
+  const double exact = coordinate(axis, static_cast<double>(x));
+  auto rounded = static_cast<std::int16_t>(std::clamp(std::ceil(exact), -32768.0, 32767.0));
+  while (at(axis, rounded) < x && rounded < 32767) ++rounded;
+  return rounded;
+}
 
 TreeGrid make_grid(std::span<const std::array<float, 3>> vertices) {
   std::array<double, 3> low = {}, high = {};

@@ -25,6 +25,8 @@ struct TreeGrid {
   double coordinate(int axis, double x) const {
     return (x - static_cast<double>(middle[axis])) / static_cast<double>(step);
   }
+  std::int16_t below(int axis, float x) const;  ///< the last grid coordinate not above x, which the grid covers
+  std::int16_t above(int axis, float x) const;  ///< the first one not below x
 };
 
 /// Returns a grid that covers the vertices. The same vertices give the same grid on every machine.

@@ -55,6 +55,36 @@ std::array<std::int8_t, 3> rounded(const Eigen::Vector3d& direction) {
 
 }  // namespace
 
+void SlabBounds::add_normal(const Eigen::Vector3d& direction) { add_normal(rounded(direction)); }
+
+void SlabBounds::add_box(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
+  for (std::size_t k = 0; k < count_; ++k) {
+    double low = 0, high = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double along = direction_[k][static_cast<std::size_t>(axis)];
+      low += along * (along < 0 ? upper : lower)[axis];
+      high += along * (along < 0 ? lower : upper)[axis];
+    }
+    low_[k] = std::min(low_[k], low);
+    high_[k] = std::max(high_[k], high);
+  }
+}
+
+Slab SlabBounds::thinnest() const {
+  std::size_t thinnest = 0;
+  double thickness = infinity;
+  for (std::size_t k = 0; k < count_; ++k) {
+    const auto& n = direction_[k];
+    const double squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (squared == 0 || !(high_[k] - low_[k] < thickness * std::sqrt(squared))) continue;
+    thinnest = k;
+    thickness = (high_[k] - low_[k]) / std::sqrt(squared);
+  }
+  const auto units = [](double height) { return static_cast<std::int16_t>(height); };
+  return {normals_[thinnest], units(std::floor(low_[thinnest] / MeshNode::slab_unit - rounding)),
+          units(std::ceil(high_[thinnest] / MeshNode::slab_unit + rounding))};
+}
+
 SlabFitter::SlabFitter(const TriangleMesh& mesh, const TreeGrid& grid, std::span<const std::int32_t> order) {
   corners_.resize(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -68,33 +98,12 @@ SlabFitter::SlabFitter(const TriangleMesh& mesh, const TreeGrid& grid, std::span
 Slab SlabFitter::fit(std::int32_t begin, std::int32_t end) const {
   const Corners triangles = Corners(corners_).subspan(begin, end - begin);
   const PrincipalFrame frame = principal_frame(covariance(triangles));
-  std::array<std::array<std::int8_t, 3>, 4> normals;
-  for (int k = 0; k < 3; ++k) normals[k] = rounded(frame.axes.col(k));
-  normals[3] = rounded(area_vector(triangles));
-
-  std::array<double, 4> low, high;
-  low.fill(std::numeric_limits<double>::infinity());
-  high.fill(-std::numeric_limits<double>::infinity());
-  for (const auto& t : triangles) {
-    for (const Eigen::Vector3d& corner : t) {
-      for (std::size_t k = 0; k < normals.size(); ++k) {
-        const double height = Slab::height(normals[k], corner);
-        low[k] = std::min(low[k], height);
-        high[k] = std::max(high[k], height);
-      }
-    }
-  }
-  std::size_t thinnest = 0;
-  double thickness = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < normals.size(); ++k) {
-    const double squared = Slab::height(normals[k], {1.0 * normals[k][0], 1.0 * normals[k][1], 1.0 * normals[k][2]});
-    if (squared == 0 || !(high[k] - low[k] < thickness * std::sqrt(squared))) continue;
-    thinnest = k;
-    thickness = (high[k] - low[k]) / std::sqrt(squared);
-  }
-  const auto units = [](double height) { return static_cast<std::int16_t>(height); };
-  return {normals[thinnest], units(std::floor(low[thinnest] / MeshNode::slab_unit - rounding)),
-          units(std::ceil(high[thinnest] / MeshNode::slab_unit + rounding))};
+  SlabBounds bounds;
+  for (int k = 0; k < 3; ++k) bounds.add_normal(Eigen::Vector3d(frame.axes.col(k)));
+  bounds.add_normal(area_vector(triangles));
+  const Eigen::Vector3d* const first = triangles.front().data();
+  bounds.add(3 * (end - begin), [&](std::int32_t i) -> const Eigen::Vector3d& { return first[i]; });
+  return bounds.thinnest();
 }
 
 }  // namespace encage
