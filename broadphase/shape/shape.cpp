@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/shape/shape.h"
 
+#include "src/files/number_text.h"
 #include "src/limits.h"
 #include "src/mesh/rounding.h"
 
@@ -30,7 +31,9 @@ void check_mesh(const TriangleMesh& mesh) {
   }
   for (std::int64_t v = 0; v < count; ++v) {
     if (!mesh.vertices.row(v).allFinite()) fail("vertex", v, "is not finite");
-    if (mesh.vertices.row(v).cwiseAbs().maxCoeff() > largest_coordinate) fail("vertex", v, "is too large for float32");
+    if (const double most = mesh.vertices.row(v).cwiseAbs().maxCoeff(); most > largest_coordinate) {
+      fail("vertex", v, "has a coordinate of " + number_text(most) + ", beyond 1e37: choose a larger unit");
+    }
   }
   if (mesh.triangles.rows() == 0) throw Error("mesh: no triangles");
 }
