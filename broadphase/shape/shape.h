@@ -11,7 +11,9 @@
 #include <encage/shape.h>
 
 #include <array>
+#include <atomic>
 #include <cassert>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -97,9 +99,14 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   /// Returns the features of the fine mesh, which must be in memory. The first call makes them; they are kept. Thread
   /// safe.
   const SurfaceFeatures& features() const {
-    std::call_once(features_made_, [this] { features_ = make_surface_features(fine.mesh, fine.parts); });
+    std::call_once(features_made_, [this] {
+      features_ = make_surface_features(fine.mesh, fine.parts);
+      feature_bytes_.store(features_.bytes(), std::memory_order_relaxed);
+    });
     return features_;
   }
+  /// Returns 0 until the features have been made. Thread safe.
+  std::int64_t feature_bytes() const noexcept { return feature_bytes_.load(std::memory_order_relaxed); }
 
   // The memory that the surfaces refer to.
   std::deque<MeshArrays> owned_arrays;
@@ -109,6 +116,7 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
  private:
   mutable std::once_flag features_made_;
   mutable SurfaceFeatures features_;
+  mutable std::atomic<std::int64_t> feature_bytes_{0};
 };
 
 /// One part of a compound.

@@ -19,6 +19,7 @@
 #include <encage/separated.h>
 #include <encage/shape.h>
 #include <encage/shape_cache.h>
+#include <encage/shape_mesh.h>
 #include <encage/split_motion.h>
 #include <encage/version.h>
 #include <encage/world.h>
