@@ -8,11 +8,13 @@
 #include "src/mesh/segments.h"
 
 #include <encage/contact.h>
+#include <encage/error.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <tuple>
 
 namespace encage {
@@ -21,6 +23,10 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 Vector at(const MovingPoints& points, std::size_t i, double t) { return (1 - t) * points.start[i] + t * points.end[i]; }
+
+void require_usable(const Motion& motion, const char* body) {
+  if (!is_usable(motion)) throw Error(std::string("first contact: ") + body + ": " + motion_defect(motion));
+}
 
 auto order(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
 
@@ -190,7 +196,8 @@ bool PairContact::Side::turn_to(std::int32_t triangle) {
 PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          const ContactOptions& options)
     : a_(a, motion_a), b_(b, motion_b), options_(options), latest_(options.latest) {
-  assert(is_usable(motion_a) && is_usable(motion_b));
+  require_usable(motion_a, "body a");
+  require_usable(motion_b, "body b");
   if (!a.is_compound()) a_.turn_to(0);
   if (!b.is_compound()) b_.turn_to(0);
 }
@@ -407,7 +414,7 @@ std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, con
 
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
                                      const ContactOptions& options) {
-  assert(is_usable(motion_a));
+  require_usable(motion_a, "body a");
   std::optional<Contact> first;
   for_each_part(a, motion_a, [&](const MovingPart& part) {
     contact_with_plane(part, plane, options, first);

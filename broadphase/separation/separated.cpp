@@ -6,8 +6,12 @@
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/compound.h"
 #include "broadphase/shape/world_box.h"
+#include "src/files/number_text.h"
+
+#include <encage/error.h>
 
 #include <algorithm>
+#include <string>
 
 namespace encage {
 namespace {
@@ -116,15 +120,6 @@ class PartsVerdict {
   Verdict all_{true, Stage::box, -1};
 };
 
-std::int32_t triangle_count(const Shape& shape) {
-  std::int32_t count = 0;
-  for_each_part(shape, {}, [&](const MovingPart& part) {
-    count += static_cast<std::int32_t>(part.shape->fine_triangles);
-    return true;
-  });
-  return count;
-}
-
 /// visit_triangle_pairs() for two parts.
 struct PartTrianglePairs {
   const MovingPart& a;
@@ -153,7 +148,7 @@ struct PartTrianglePairs {
 
 Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                   const PairOptions& options) noexcept {
-  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.margin >= 0)) return {};
+  if (!is_usable(motion_a) || !is_usable(motion_b) || !(options.margin >= 0)) return {.usable = false};
   if (options.boxes && body_boxes_apart(a, motion_a, b, motion_b, options.margin)) return {true, Stage::box, -1};
   if (!a.is_compound() && !b.is_compound()) {
     return simple_separated(a.simple(), motion_a, b.simple(), motion_b, options);
@@ -173,7 +168,7 @@ Verdict separated(const Shape& a, const Motion& motion_a, const Shape& b, const 
 }
 
 Verdict separated(const Shape& a, const Motion& motion_a, const HalfSpace& plane, double margin) noexcept {
-  if (!is_usable(motion_a) || !(margin >= 0)) return {};
+  if (!is_usable(motion_a) || !(margin >= 0)) return {.usable = false};
   PartsVerdict verdict;
   for_each_part(a, motion_a,
                 [&](const MovingPart& part) { return verdict.add(simple_separated(part, plane, margin)); });
@@ -182,15 +177,10 @@ Verdict separated(const Shape& a, const Motion& motion_a, const HalfSpace& plane
 
 bool visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
                           bool (*visit)(void* context, TrianglePair pair), void* context) {
-  if (!is_usable(motion_a) || !is_usable(motion_b) || !(margin >= 0)) {
-    const std::int32_t count_a = triangle_count(a), count_b = triangle_count(b);
-    for (std::int32_t i = 0; i < count_a; ++i) {
-      for (std::int32_t j = 0; j < count_b; ++j) {
-        if (!visit(context, {i, j})) return false;
-      }
-    }
-    return true;
-  }
+  const auto refuse = [](const std::string& reason) { throw Error("triangle pairs: " + reason); };
+  if (!is_usable(motion_a)) refuse("body a: " + motion_defect(motion_a));
+  if (!is_usable(motion_b)) refuse("body b: " + motion_defect(motion_b));
+  if (!(margin >= 0)) refuse("the margin " + number_text(margin) + " is negative or not a number");
   return for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
     return PartTrianglePairs{part_a, part_b, visit, context}.run(margin);
   });

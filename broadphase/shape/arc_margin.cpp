@@ -1,11 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/motion/pose.h"
 #include "broadphase/shape/compound.h"
+#include "src/limits.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace encage {
+namespace {
+
+/// Bounds the distance of the body from a point of the body frame, but for roundings below 1e-9 of it.
+double largest_distance(const Shape& shape, const Eigen::Vector3d& from) noexcept {
+  double largest = 0;
+  for_each_part(shape, Motion{.scale = 1}, [&](const MovingPart& part) {
+    const SimpleShape& of = *part.shape;
+    const Eigen::Vector3d origin = Placement(part.motion.start, part.motion.scale).origin(of.frame);
+    largest = std::max(largest, part.motion.scale * of.outer().radius + of.error_in_world(part.motion.scale) +
+                                    (origin - from).norm() + part.slack);
+    return true;
+  });
+  return largest;
+}
+
+}  // namespace
 
 double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3d& pivot) noexcept {
   if (motion.start.linear() == motion.end.linear()) return 0;
@@ -15,16 +32,15 @@ double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3
   const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
   const double cosine = std::sqrt((1 - sine) * (1 + sine));
   // 1 - cos = sin^2 / (1 + cos) avoids cancellation.
-  double radius = 0;
-  for_each_part(shape, Motion{.scale = 1}, [&](const MovingPart& part) {
-    const SimpleShape& of = *part.shape;
-    const Eigen::Vector3d origin = Placement(part.motion.start, part.motion.scale).origin(of.frame);
-    radius = std::max(radius, part.motion.scale * of.outer().radius + of.error_in_world(part.motion.scale) +
-                                  (origin - pivot).norm() + part.slack);
-    return true;
-  });
-  radius *= motion.scale;
-  return radius * (sine * sine / (1 + cosine)) * (1 + 1e-8);
+  return largest_distance(shape, pivot) * motion.scale * (sine * sine / (1 + cosine)) * (1 + 1e-8);
+}
+
+double radius(const Shape& shape, const Eigen::Vector3d& pivot) noexcept {
+  return largest_distance(shape, pivot) * (1 + 1e-8);
+}
+
+double correction_margin(const Shape& shape, double deviation, double scale) noexcept {
+  return deviation == 0 ? 0 : radius(shape) * deviation * scale * (1 + 8 * eps);
 }
 
 }  // namespace encage

@@ -13,16 +13,6 @@
 namespace encage {
 namespace {
 
-template <class T>
-std::int64_t size_of(const std::vector<T>& elements) {
-  return static_cast<std::int64_t>(elements.size() * sizeof(T));
-}
-
-std::int64_t size_of(const MeshArrays& arrays) {
-  return size_of(arrays.vertices) + size_of(arrays.triangles) + size_of(arrays.tree.nodes) +
-         size_of(arrays.tree.leaves) + size_of(arrays.owned) + size_of(arrays.parts);
-}
-
 std::string in_bytes(std::int64_t count) { return std::to_string(count) + " bytes"; }
 
 }  // namespace
@@ -140,6 +130,12 @@ ShapeCacheStatistics MeshBudget::statistics() const {
   return counts;
 }
 
+std::int64_t MeshBudget::owned_bytes(const OnDemandMesh& mesh) const {
+  const std::lock_guard lock(mutex_);
+  const bool owned = mesh.arrays_ || mesh.shape_.asset->mode() == LoadMode::copy;
+  return owned && mesh.resident_.load() ? mesh.bytes_ : 0;
+}
+
 // ---- OnDemandMesh ----------------------------------------------------------
 
 OnDemandMesh::OnDemandMesh(SimpleShape& shape, std::string file, std::shared_ptr<MeshBudget> budget)
@@ -181,7 +177,7 @@ std::int64_t OnDemandMesh::load() {
       auto view = asset.fine_arrays();
       if (!view) {
         arrays_ = make_mesh_arrays(copy_mesh(mesh), file_ + ": " + fine_name);
-        bytes = size_of(*arrays_);
+        bytes = arrays_->bytes();
         view = arrays_->view();
       }
       Surface fine(*view);

@@ -41,6 +41,8 @@ class ENCAGE_HIDDEN MeshBudget {
   /// Increases from call to call and so orders uses.
   std::uint64_t now() noexcept { return clock_.fetch_add(1, std::memory_order_relaxed); }
   ShapeCacheStatistics statistics() const;
+  /// Returns the bytes that the mesh has allocated, not mapped.
+  std::int64_t owned_bytes(const OnDemandMesh& mesh) const;
 
  private:
   /// Throws Error, its message starting with `need`, if there is no room for so many bytes and the largest mesh.
@@ -71,6 +73,7 @@ class ENCAGE_HIDDEN OnDemandMesh {
   /// Throws Error; the mesh is then not pinned.
   void pin();
   void unpin() noexcept;
+  std::int64_t owned_bytes() const { return budget_->owned_bytes(*this); }
 
  private:
   friend MeshBudget;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,7 @@ class Outline {
   explicit Outline(std::span<const std::array<float, 3>> points);
 
   bool empty() const { return x_.empty(); }
+  std::int64_t bytes() const noexcept { return static_cast<std::int64_t>(3 * sizeof(float) * x_.size()); }
   /// Least and largest coordinates of `rotation` times the points, off by at most 2^-20 of the largest norm of a point.
   void extents(const Eigen::Matrix3d& rotation, Eigen::Vector3d& low, Eigen::Vector3d& high) const noexcept;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/shape/shape.h"
 
+#include "src/files/number_text.h"
 #include "src/limits.h"
 #include "src/mesh/rounding.h"
 #include "src/tree/refit.h"
@@ -31,7 +32,9 @@ void check_mesh(const TriangleMesh& mesh) {
   }
   for (std::int64_t v = 0; v < count; ++v) {
     if (!mesh.vertices.row(v).allFinite()) fail("vertex", v, "is not finite");
-    if (mesh.vertices.row(v).cwiseAbs().maxCoeff() > largest_coordinate) fail("vertex", v, "is too large for float32");
+    if (const double most = mesh.vertices.row(v).cwiseAbs().maxCoeff(); most > largest_coordinate) {
+      fail("vertex", v, "has a coordinate of " + number_text(most) + ", beyond 1e37: choose a larger unit");
+    }
   }
   if (mesh.triangles.rows() == 0) throw Error("mesh: no triangles");
 }
@@ -289,7 +292,7 @@ ShapePtr refit_shape(const Shape& shape, const Vertices& vertices) {
   const double error = rounding_error(vertices, origin, arrays.vertices);
   const auto result = describe({origin, source.solid, error}, 0, {.hollow = source.hollow});
   result->known_parts = part_of_vertex;
-  if (source.has_features()) result->known_twin = source.features().twin;
+  if (source.feature_bytes() > 0) result->known_twin = source.features().twin;
   set_fine(*result, keep(*result, std::move(arrays)));
   set_outline(*result);
   return result;

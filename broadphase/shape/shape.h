@@ -13,6 +13,7 @@
 #include <array>
 #include <atomic>
 #include <cassert>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -100,12 +101,12 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   const SurfaceFeatures& features() const {
     std::call_once(features_made_, [this] {
       features_ = make_surface_features(fine.mesh, fine.parts, std::move(known_twin));
-      has_features_.store(true, std::memory_order_release);
+      feature_bytes_.store(features_.bytes(), std::memory_order_release);
     });
     return features_;
   }
-  /// True if a call has been made and has returned.
-  bool has_features() const { return has_features_.load(std::memory_order_acquire); }
+  /// Returns 0 until the features have been made. Thread safe.
+  std::int64_t feature_bytes() const noexcept { return feature_bytes_.load(std::memory_order_acquire); }
 
   /// Returns the part of the fine mesh, which must be in memory, that each vertex belongs to; -1 where no triangle has
   /// it. The first call finds them. Thread safe.
@@ -123,7 +124,7 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
  private:
   mutable std::once_flag features_made_, parts_known_;
   mutable SurfaceFeatures features_;
-  mutable std::atomic<bool> has_features_{false};
+  mutable std::atomic<std::int64_t> feature_bytes_{0};
 };
 
 /// One part of a compound.

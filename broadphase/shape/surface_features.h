@@ -23,6 +23,10 @@ struct SurfaceFeatures {
 
   std::vector<std::int32_t> part_sides;  ///< per part of the mesh, a side that begins at its vertex
 
+  std::int64_t bytes() const noexcept {
+    const auto of = [](const auto& all) { return static_cast<std::int64_t>(all.size() * sizeof(all[0])); };
+    return of(twin) + of(face_normal) + of(vertex_normal) + of(part_sides);
+  }
   std::int32_t twin_of(std::int32_t side) const { return twin[static_cast<std::size_t>(side)]; }
 };
 

@@ -7,6 +7,9 @@
 #include "src/files/number_text.h"
 #include "src/limits.h"
 
+#include <encage/rigid_pose.h>
+
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -19,27 +22,19 @@ template <WorldId Id>
   throw Error(name(id) + ": " + reason);
 }
 
-// Messages are composed only where they are needed.
-const char* pose_defect(const Eigen::Isometry3d& pose) {
-  if (!pose.matrix().topRows<3>().allFinite()) return "is not finite";
-  if (pose.translation().cwiseAbs().maxCoeff() > largest_length) return "is farther than 1e150 away";
-  if (is_mirrored(pose)) return "mirrors the body";
-  return is_usable(pose) ? nullptr : "is farther than 1e-9 from rigid";
-}
-
-void check_pose(const Eigen::Isometry3d& pose, BodyId body, const char* which) {
-  if (const char* defect = pose_defect(pose)) refuse(body, std::string(which) + " " + defect);
-}
-
-[[noreturn]] void refuse_motion(BodyId body, const Motion& motion) {
-  check_pose(motion.start, body, "the start pose");
-  check_pose(motion.end, body, "the end pose");
-  refuse(body, "the rotation within the step reaches 180 degrees");
+[[noreturn]] void refuse_pose(BodyId body, const char* which, const std::string& defect) {
+  refuse(body, std::string(which) + " " + defect);
 }
 
 template <WorldId Id>
 void check_length(Id id, const char* what, double length) {
   if (!(length >= 0 && length <= largest_length)) refuse(id, length_defect(what, length));
+}
+
+/// True if the body has these poses already.
+bool has_motion(const auto& body, const Motion& motion, double deviation) {
+  return motion.start.matrix() == body.motion.start.matrix() && motion.end.matrix() == body.motion.end.matrix() &&
+         deviation == body.deviation;
 }
 
 /// Throws an Error that names `asking` if the table does not contain `asked`.
@@ -74,6 +69,12 @@ std::string length_defect(const char* what, double length) {
 
 void World::State::check_unlocked() const {
   if (scratch_.searching) throw Error("the world cannot be changed while it visits candidates");
+}
+
+World::State::State(const WorldOptions& options) : options_(options) {
+  if (const double tolerance = options.pose_tolerance; !(tolerance >= 0 && tolerance <= 0.1)) {
+    throw Error("world options: the pose tolerance " + number_text(tolerance) + " is not between 0 and 0.1");
+  }
 }
 
 // ---- Shapes and half-spaces ----------------------------------------------
@@ -138,18 +139,42 @@ void World::State::check_options(BodyId id, const BodyOptions& options) const {
   if (const double scale = options.scale; !(scale >= smallest_scale && scale <= largest_scale)) {
     refuse(id, "the scale " + number_text(scale) + " is not between 1e-50 and 1e50");
   }
+  if (!(options.pivot.array().abs() <= largest_length).all()) {
+    refuse(id, "the pivot is not finite or beyond 1e150");
+  }
+}
+
+double World::State::correct(Eigen::Isometry3d& pose, BodyId body, const char* which) const {
+  if (is_usable(pose)) return 0;
+  const std::string defect = pose_defect(pose);
+  if (options_.pose_tolerance == 0) refuse_pose(body, which, defect);
+  RigidPose nearest;
+  try {
+    nearest = nearest_rigid(pose.matrix());
+  } catch (const Error&) {
+    refuse_pose(body, which, defect);
+  }
+  if (!(nearest.deviation <= options_.pose_tolerance)) {
+    refuse_pose(body, which,
+                "deviates by " + number_text(nearest.deviation, 3) + " from a rigid one, more than the tolerance " +
+                    number_text(options_.pose_tolerance));
+  }
+  pose = nearest.pose;
+  return nearest.deviation;
 }
 
 BodyId World::State::add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options) {
   check_unlocked();
   const BodyId id = body_ids_.next();
   check_known(shape_ids_, shape, id);
-  check_pose(pose, id, "the pose");
+  Eigen::Isometry3d rigid = pose;
+  const double deviation = correct(rigid, id, "the pose");
   check_options(id, options);
   if (body_ids_.slots() >= half_space_bit / 2) refuse(id, "too many bodies");
 
   Body body;
-  body.motion = Motion::resting(pose, options.scale);
+  body.motion = Motion::resting(rigid, options.scale);
+  body.deviation = deviation;
   body.options = options;
   body.awake = options.kind != BodyKind::static_;
   body.shape = shape;
@@ -189,8 +214,9 @@ void World::State::remove(BodyId id) {
 void World::State::set_pose(BodyId id, const Eigen::Isometry3d& pose) {
   check_unlocked();
   body(id);
-  check_pose(pose, id, "the pose");
-  set_motion(id, Motion::resting(pose));
+  Eigen::Isometry3d rigid = pose;
+  const double deviation = correct(rigid, id, "the pose");
+  move(id, Motion::resting(rigid), deviation);
 }
 
 void World::State::set_motion(BodyId id, const Motion& motion) {
@@ -200,12 +226,24 @@ void World::State::set_motion(BodyId id, const Motion& motion) {
   if (motion.scale != 1 && motion.scale != scale) {
     refuse(id, "the motion's scale " + number_text(motion.scale) + " is not the body's, " + number_text(scale));
   }
-  if (motion.start.matrix() == known.motion.start.matrix() && motion.end.matrix() == known.motion.end.matrix()) return;
-  if (!is_usable(motion)) refuse_motion(id, motion);
-  if (known.options.kind == BodyKind::static_ && !motion.at_rest()) {
+  if (has_motion(known, motion, 0)) return;
+  if (is_usable(motion)) return move(id, motion, 0);
+  Motion rigid = motion;
+  const double at_start = correct(rigid.start, id, "the start pose");
+  const double deviation = std::max(at_start, correct(rigid.end, id, "the end pose"));
+  if (const std::string defect = motion_defect(rigid); !defect.empty()) refuse(id, defect);
+  move(id, rigid, deviation);
+}
+
+/// Sets a usable motion.
+void World::State::move(BodyId id, const Motion& motion, double deviation) {
+  Body& body = bodies_[index(id)];
+  if (has_motion(body, motion, deviation)) return;
+  if (body.options.kind == BodyKind::static_ && !motion.at_rest()) {
     refuse(id, "a static body cannot move within a step");
   }
-  bodies_[index(id)].motion = {motion.start, motion.end, scale};
+  body.motion = {motion.start, motion.end, body.options.scale};
+  body.deviation = deviation;
   update(index(id));
 }
 
@@ -261,6 +299,12 @@ void World::State::set_deformation(BodyId id, double bound) {
   update(index(id));
 }
 
+void World::State::set_user_data(BodyId id, std::uint64_t data) {
+  check_unlocked();
+  body(id);
+  bodies_[index(id)].user_data = data;
+}
+
 /// Updates all derived data after a change of the body.
 void World::State::update(std::uint32_t n) noexcept {
   const Body& body = bodies_[n];
@@ -278,7 +322,11 @@ void World::State::update(std::uint32_t n) noexcept {
 // ---- Boxes ---------------------------------------------------------------
 
 double World::State::own_margin(const Body& body) const noexcept {
-  return body.options.margin + shapes_[index(body.shape)].margin + body.deformation;
+  const SharedShape& shape = shapes_[index(body.shape)];
+  double margin = body.options.margin + shape.margin + body.deformation;
+  if (body.deviation > 0) margin += correction_margin(*shape.shape, body.deviation, body.options.scale);
+  if (options_.arcs) margin += arc_margin(*shape.shape, body.motion, body.options.pivot);
+  return margin;
 }
 
 FloatBox World::State::tree_box(const Bounds& bounds) const noexcept {
@@ -291,6 +339,23 @@ FloatBox World::State::tree_box(const Bounds& bounds) const noexcept {
 const World::State::Body& World::State::body(BodyId id) const {
   if (!body_ids_.contains(id)) refuse(id, body_ids_.defect(id));
   return bodies_[index(id)];
+}
+
+BodyCounts World::State::body_counts() const noexcept {
+  BodyCounts counts;
+  for (std::uint32_t n = 0; n < bodies_.size(); ++n) {
+    if (!body_ids_.is_used(n)) continue;
+    const Body& body = bodies_[n];
+    switch (body.options.kind) {
+      case BodyKind::dynamic: ++counts.dynamic; break;
+      case BodyKind::kinematic: ++counts.kinematic; break;
+      case BodyKind::static_: ++counts.static_; break;
+    }
+    counts.awake += body.awake ? 1 : 0;
+    counts.sensors += body.options.sensor ? 1 : 0;
+    counts.corrected += body.deviation > 0 ? 1 : 0;
+  }
+  return counts;
 }
 
 const World::State::SharedShape& World::State::shape(ShapeId id) const {

@@ -6,6 +6,7 @@
 #include <encage/world.h>
 
 #include <cassert>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -77,6 +78,16 @@ class IdTable {
   /// Returns the number of indices assigned so far.
   std::uint32_t slots() const noexcept { return static_cast<std::uint32_t>(slots_.size()); }
   std::int64_t size() const noexcept { return static_cast<std::int64_t>(slots_.size() - free_.size()) - retired_; }
+
+  /// Returns the ids in use, by increasing index.
+  std::vector<Id> all() const {
+    std::vector<Id> ids;
+    ids.reserve(static_cast<std::size_t>(size()));
+    for (std::uint32_t i = 0; i < slots(); ++i) {
+      if (is_used(i)) ids.push_back(at(i));
+    }
+    return ids;
+  }
 
   /// Explains why there is no object with this id.
   const char* defect(Id asked) const noexcept {

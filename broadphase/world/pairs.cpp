@@ -26,10 +26,17 @@ Eigen::AlignedBox3d in_double(const FloatBox& box) {
 
 // ---- What is true of a pair ----------------------------------------------
 
+bool World::State::meets_half_spaces(const BodyOptions& options) noexcept {
+  return options.kind == BodyKind::dynamic || (options.sensor && options.kind == BodyKind::kinematic);
+}
+
 bool World::State::allowed(std::uint32_t n, std::uint32_t m) const noexcept {
   if ((traits_[n] & traits_[m] & is_plain) != 0) return true;
   const BodyOptions &a = bodies_[n].options, &b = bodies_[m].options;
-  if (a.kind != BodyKind::dynamic && b.kind != BodyKind::dynamic) return false;
+  if (a.kind != BodyKind::dynamic && b.kind != BodyKind::dynamic &&
+      (!(a.sensor || b.sensor) || (a.kind == BodyKind::static_ && b.kind == BodyKind::static_))) {
+    return false;
+  }
   if (a.group != 0 && a.group == b.group) return a.group > 0;
   return masks_allow(a.filter, b.filter);
 }
@@ -38,7 +45,7 @@ bool World::State::allowed(std::uint64_t key) const noexcept {
   const std::uint32_t n = first_of(key);
   if (!has_half_space(key)) return allowed(n, second_of(key));
   const BodyOptions& options = bodies_[n].options;
-  return options.kind == BodyKind::dynamic && masks_allow(options.filter, planes_[half_space_of(key)].filter);
+  return meets_half_spaces(options) && masks_allow(options.filter, planes_[half_space_of(key)].filter);
 }
 
 bool World::State::is_active(std::uint32_t n) const noexcept {
@@ -91,7 +98,7 @@ World::State::Ended World::State::ended(std::uint64_t key) const noexcept {
 
 void World::State::find_fresh_half_spaces(std::uint32_t n, bool outdated_ones, double margin) {
   const BodyOptions& options = bodies_[n].options;
-  if (options.kind != BodyKind::dynamic) return;
+  if (!meets_half_spaces(options)) return;
   const Eigen::AlignedBox3d box = in_double(tree_.box(bodies_[n].leaf));
   for (std::uint32_t p = 0; p < planes_.size(); ++p) {
     if (!plane_ids_.is_used(p) || (outdated_ones && outdated_planes_[p] == 0)) continue;

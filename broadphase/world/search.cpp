@@ -25,7 +25,7 @@ struct Unlock {
   ~Unlock() { locked = false; }
 };
 
-/// Exceeds the rounding of a sum of four margins, and of this product.
+/// Exceeds the rounding of a sum of all margins of a pair, and of this product.
 constexpr double rounded_up = 1 + 8 * eps;
 
 }  // namespace

@@ -27,6 +27,9 @@ std::string length_defect(const char* what, double length);
 /// body are not kept, except that the state records which of them were candidates.
 class ENCAGE_HIDDEN World::State {
  public:
+  State() = default;
+  explicit State(const WorldOptions& options);
+
   ShapeId add_shape(ShapePtr shape, double margin);
   BodyId add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options);
   HalfSpaceId add_half_space(const HalfSpace& half_space, const Filter& filter);
@@ -39,6 +42,7 @@ class ENCAGE_HIDDEN World::State {
   void set_options(BodyId body, const BodyOptions& options);
   void set_awake(BodyId body, bool awake);
   void set_deformation(BodyId body, double bound);
+  void set_user_data(BodyId body, std::uint64_t data);
   CandidateStatistics search(const CandidateOptions& options, void (*visit)(void*, const CandidatePair&),
                              void* context);
   /// Becomes equal to another state without losing capacity. If it throws, nothing has changed.
@@ -49,6 +53,8 @@ class ENCAGE_HIDDEN World::State {
     Motion motion;
     BodyOptions options;
     double deformation = 0;
+    double deviation = 0;  // of the motion from the poses as given
+    std::uint64_t user_data = 0;
     bool awake = true;  // never for a static body
     ShapeId shape{};
     BodyTree::Leaf leaf = -1;
@@ -68,6 +74,9 @@ class ENCAGE_HIDDEN World::State {
   const Body& body(BodyId id) const;
   const SharedShape& shape(ShapeId id) const;
   const Plane& half_space(HalfSpaceId id) const;
+
+  const WorldOptions& options() const noexcept { return options_; }
+  BodyCounts body_counts() const noexcept;
 
   const IdTable<ShapeId>& shape_ids() const noexcept { return shape_ids_; }
   const IdTable<BodyId>& body_ids() const noexcept { return body_ids_; }
@@ -125,6 +134,10 @@ class ENCAGE_HIDDEN World::State {
 
   const ShapePtr& shape_of(const Body& body) const { return shapes_[index(body.shape)].shape; }
   void check_options(BodyId id, const BodyOptions& options) const;
+  /// Returns how far the correction moves points, without unit; 0 if there was none. Throws Error for a pose that is
+  /// neither usable nor within the tolerance.
+  double correct(Eigen::Isometry3d& pose, BodyId body, const char* which) const;
+  void move(BodyId body, const Motion& motion, double deviation);
   double own_margin(const Body& body) const noexcept;
   FloatBox tree_box(const Bounds& bounds) const noexcept;
   void update(std::uint32_t body) noexcept;
@@ -140,6 +153,7 @@ class ENCAGE_HIDDEN World::State {
   void prepare_merge();
   void merge_pairs(bool tested) noexcept;
   void note_collected() noexcept;
+  static bool meets_half_spaces(const BodyOptions& options) noexcept;
   bool allowed(std::uint32_t a, std::uint32_t b) const noexcept;
   bool allowed(std::uint64_t key) const noexcept;
   bool is_active(std::uint32_t body) const noexcept;
@@ -158,6 +172,7 @@ class ENCAGE_HIDDEN World::State {
   void for_each_triangle_pair(const Pair& pair, double margin, Visit&& visit) const;
   CandidatePair candidate(const Pair& pair) const noexcept;
 
+  WorldOptions options_;
   IdTable<ShapeId> shape_ids_;
   IdTable<BodyId> body_ids_;
   IdTable<HalfSpaceId> plane_ids_;

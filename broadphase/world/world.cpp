@@ -8,6 +8,7 @@
 namespace encage {
 
 World::World() : state_(std::make_unique<State>()) {}
+World::World(const WorldOptions& options) : state_(std::make_unique<State>(options)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -42,10 +43,13 @@ void World::set_scale(BodyId body, double scale) {
 }
 void World::set_awake(BodyId body, bool awake) { state_->set_awake(body, awake); }
 void World::set_deformation(BodyId body, double bound) { state_->set_deformation(body, bound); }
+void World::set_user_data(BodyId body, std::uint64_t data) { state_->set_user_data(body, data); }
 
 // ---- Questions -----------------------------------------------------------
 
 const Motion& World::motion(BodyId body) const { return state_->body(body).motion; }
+double World::pose_deviation(BodyId body) const { return state_->body(body).deviation; }
+std::uint64_t World::user_data(BodyId body) const { return state_->body(body).user_data; }
 const BodyOptions& World::options(BodyId body) const { return state_->body(body).options; }
 const ShapePtr& World::shape(BodyId body) const { return shape(shape_id(body)); }
 ShapeId World::shape_id(BodyId body) const { return state_->body(body).shape; }
@@ -54,6 +58,7 @@ double World::deformation(BodyId body) const { return state_->body(body).deforma
 const ShapePtr& World::shape(ShapeId shape) const { return state_->shape(shape).shape; }
 double World::margin(ShapeId shape) const { return state_->shape(shape).margin; }
 const HalfSpace& World::half_space(HalfSpaceId half_space) const { return state_->half_space(half_space).half_space; }
+const WorldOptions& World::options() const noexcept { return state_->options(); }
 
 bool World::contains(ShapeId shape) const noexcept { return state_->shape_ids().contains(shape); }
 bool World::contains(BodyId body) const noexcept { return state_->body_ids().contains(body); }
@@ -61,6 +66,10 @@ bool World::contains(HalfSpaceId half_space) const noexcept { return state_->pla
 std::int64_t World::shape_count() const noexcept { return state_->shape_ids().size(); }
 std::int64_t World::body_count() const noexcept { return state_->body_ids().size(); }
 std::int64_t World::half_space_count() const noexcept { return state_->plane_ids().size(); }
+BodyCounts World::body_counts() const noexcept { return state_->body_counts(); }
+std::vector<ShapeId> World::shapes() const { return state_->shape_ids().all(); }
+std::vector<BodyId> World::bodies() const { return state_->body_ids().all(); }
+std::vector<HalfSpaceId> World::half_spaces() const { return state_->plane_ids().all(); }
 
 CandidateStatistics World::visit_candidates(const CandidateOptions& options,
                                             void (*visit)(void* context, const CandidatePair& pair), void* context) {

@@ -157,7 +157,13 @@ class WorldContacts::State {
   }
 
   static double margin_of(const World& world, BodyId body) {
-    return world.options(body).margin + world.margin(world.shape_id(body)) + world.deformation(body);
+    const BodyOptions& options = world.options(body);
+    return options.margin + world.margin(world.shape_id(body)) + world.deformation(body) +
+           correction_margin(*world.shape(body), world.pose_deviation(body), options.scale);
+  }
+  static double arc_of(const World& world, BodyId body) {
+    if (!world.options().arcs) return 0;
+    return arc_margin(*world.shape(body), world.motion(body), world.options(body).pivot);
   }
 
   void compute(const World& world, const WorldContactOptions& options, std::size_t i) {
@@ -165,13 +171,16 @@ class WorldContacts::State {
     pair.count = 0;
     pair.first.reset();
     const PairIds& ids = pair.ids;
-    double own = margin_of(world, ids.a);
-    if (!ids.with_half_space()) own += margin_of(world, ids.b);
+    double own = margin_of(world, ids.a), arc = arc_of(world, ids.a);
+    if (!ids.with_half_space()) {
+      own += margin_of(world, ids.b);
+      arc += arc_of(world, ids.b);
+    }
     const Shape& a = *world.shape(ids.a);
     const Motion& motion_a = world.motion(ids.a);
     const ManifoldOptions manifold{
         .margin = options.margin + own, .most_points = options.most_points, .most_per_patch = options.most_per_patch};
-    const ContactOptions first{.margin = options.first_margin + own};
+    const ContactOptions first{.margin = options.first_margin + own, .arc = arc};
     const std::span<ManifoldPoint> room = points(i, most_points_);
     if (ids.with_half_space()) {
       const HalfSpace& plane = world.half_space(ids.half_space);

@@ -80,9 +80,10 @@ struct Contact {
 /// test().
 ///
 /// Both shapes, and all parts of compounds, need a fine mesh and must outlive this object. The object keeps the meshes
-/// that it works on in memory. The constructor and test() throw Error if a mesh of a ShapeCache cannot be read, and
-/// nothing else. A step's rotation must stay below 180 degrees, and poses must be usable (both asserted). Not for use
-/// by several threads at a time; never allocates, except that a ShapeCache may have to read a fine mesh.
+/// that it works on in memory. The constructor throws Error, which names the body and the reason, for a motion that is
+/// not usable (is_usable()): a pose in float or one that mirrors, a rotation of 180 degrees, a scale that is not
+/// positive. It and test() throw Error if a mesh of a ShapeCache cannot be read, and nothing else. Not for use by
+/// several threads at a time; never allocates, except that a ShapeCache may have to read a fine mesh.
 class PairContact {
  public:
   PairContact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
@@ -151,13 +152,15 @@ class PairContact {
 /// remaining triangles to PairContact. The result is that of PairContact over all pairs of triangles. No value means:
 /// it is proven that meshes that do not intersect at the start do not touch during the step (docs/guarantee.md).
 /// separated() at rest can prove that they do not intersect at the start. The result says nothing about a body that
-/// lies inside the other without touching it. Requirements and errors are those of PairContact. The query always needs
-/// the fine meshes, so for shapes of a ShapeCache call separated() first. Re-entrant; otherwise never throws,
-/// and allocates only where a ShapeCache has to read a mesh.
+/// lies inside the other without touching it. Bodies turn the short way, whatever the rotation was (Motion), and their
+/// vertices move straight but for ContactOptions::arc. Requirements and errors are those of PairContact. The query
+/// always needs the fine meshes, so for shapes of a ShapeCache call separated() first. Re-entrant; otherwise never
+/// throws, and allocates only where a ShapeCache has to read a mesh.
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                                      const ContactOptions& options = {});
 
-/// Finds the first contact of a moving body and a half-space. options.latest and errors are as above.
+/// Finds the first contact of a moving body and a half-space. options.latest and errors are as above; the half-space is
+/// as HalfSpace says.
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
                                      const ContactOptions& options = {});
 

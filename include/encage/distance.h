@@ -58,10 +58,10 @@ struct DistanceResult {
   std::int32_t triangle_a = -1, triangle_b = -1;
 };
 
-/// Computes the distance between two bodies at the start of their motions: between the solids of closed and capped
-/// bodies, and the surfaces of others. If one of them has no fine mesh, `lower` comes from their finest cages and
-/// `upper` is infinite. If a start pose is not usable, they are 0 and infinite. Re-entrant; never throws, never
-/// allocates, except that a ShapeCache may have to read a fine mesh.
+/// Computes the distance between two bodies at the start of their motions (their ends do not count): between the solids
+/// of closed and capped bodies, and the surfaces of others. If one of them has no fine mesh, `lower` comes from their
+/// finest cages and `upper` is infinite. If a start pose is not usable, they are 0 and infinite. Re-entrant; never
+/// throws, never allocates, except that a ShapeCache may have to read a fine mesh.
 DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                         const DistanceOptions& options = {}) noexcept;
 

@@ -15,9 +15,12 @@
 #include <encage/mass_properties.h>
 #include <encage/mesh.h>
 #include <encage/poses.h>
+#include <encage/rigid_pose.h>
 #include <encage/separated.h>
 #include <encage/shape.h>
 #include <encage/shape_cache.h>
+#include <encage/shape_mesh.h>
+#include <encage/split_motion.h>
 #include <encage/version.h>
 #include <encage/world.h>
 #include <encage/world_contacts.h>

@@ -58,9 +58,9 @@ class ManifoldCache {
 /// Fills in contact points of two bodies at the start of their motions, and returns how many there are. Surfaces that
 /// come nearer to each other than the margin during the motion get points as well, whose separation tells how far the
 /// bodies may approach (speculative contacts): pass the poses that the velocities lead to as the ends, or none with
-/// Motion::resting(). Points of features that the step before reported come first, in their order, then new ones. Every
-/// pair of bodies whose surfaces are nearer than the margin gets a point; depths and directions of deep overlap are
-/// heuristic (docs/contacts.md).
+/// Motion::resting(). Bodies turn the short way between them (Motion). Points of features that the step before reported
+/// come first, in their order, then new ones. Every pair of bodies whose surfaces are nearer than the margin gets a
+/// point; depths and directions of deep overlap are heuristic (docs/contacts.md).
 ///
 /// Meshes that enclose a volume are solid. Contacts of open and hollow ones are those of their surface, two-sided.
 /// Returns 0 if a motion is not usable, a body has no fine mesh, the margin or a radius is negative, or `points` is

@@ -9,6 +9,8 @@
 
 namespace ENCAGE_EXPORT encage {
 
+class Shape;
+
 /// A rigid body of unit density, in the frame of its mesh. Scale by density; a body s times as large has s^3 times the
 /// mass and s^5 times the moments.
 struct MassProperties {
@@ -24,5 +26,11 @@ struct MassProperties {
 /// Regions that the surface encloses twice count twice. Throws Error if the mesh is not closed, not finite, or encloses
 /// no positive volume.
 MassProperties mass_properties(const TriangleMesh& mesh);
+
+/// The same of a shape, in the body frame, from its fine mesh in place (float32, caps included). The parts of a
+/// compound are summed, so that where they overlap counts twice. Throws Error if a part has no fine mesh, is not closed
+/// or, in the whole, encloses no positive volume, and if the mesh of a ShapeCache cannot be read. Linear time; for a
+/// program that links encage::broadphase.
+MassProperties mass_properties(const Shape& shape);
 
 }  // namespace encage

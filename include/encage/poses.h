@@ -23,8 +23,9 @@ struct PoseStep {
   std::vector<BodyPose> bodies;
 };
 
-/// Reads a pose file: CSV with the header `step,body,x,y,z,qx,qy,qz,qw` and rows sorted by step, then body. Quaternions
-/// must be within 1e-6 of unit length and are normalised. Throws Error, which names the file, the line and the reason.
+/// Reads a pose file: CSV with the header `step,body,x,y,z,qx,qy,qz,qw` and rows sorted by step, then body, in UTF-8,
+/// with a byte order mark or without. Coordinates go up to 1e150, as in queries. Quaternions must be within 1e-6 of
+/// unit length and are normalised. Throws Error, which names the file, the line, the value and the reason.
 std::vector<PoseStep> read_poses(const std::filesystem::path& file);
 
 /// Writes such a file, whole or not at all. Throws Error, which names the file.

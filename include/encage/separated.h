@@ -23,6 +23,9 @@ struct Verdict {
   bool separated = false;  ///< proven farther apart than the margin, rounding included
   Stage stage = Stage::box;
   std::int16_t level = -1;  ///< for Stage::cage: index of the cage level, 0 the finest
+  /// False if nothing was tested, because a motion (is_usable(), motion_defect()) or the margin is not usable: the
+  /// answer stays "maybe" until the caller mends it, e.g. by nearest_rigid().
+  bool usable = true;
 };
 
 /// Decides when cages are tested.
@@ -48,8 +51,11 @@ struct PairOptions {
 /// Proves that two bodies stay farther apart than the margin while every vertex moves on its straight line, or answers
 /// "maybe". The stages follow each other in this order: boxes, cages from coarse to fine (by default only where no fine
 /// mesh is tested), fine meshes; the first proof ends the test. If the numbers of levels differ, level k stands for
-/// each body's level k or its coarsest. The answer is "maybe" for motions that are not usable. Re-entrant; never
-/// throws, never allocates, except that a ShapeCache may have to read a fine mesh.
+/// each body's level k or its coarsest. The answer is "maybe" for motions that are not usable (Verdict::usable).
+/// Re-entrant; never throws, never allocates, except that a ShapeCache may have to read a fine mesh.
+///
+/// Bodies turn the short way between their poses, and two poses do not tell more (Motion). For true rotation add both
+/// bodies' arc_margin() to the margin.
 ///
 /// A closed or capped body is its surface and the points of non-zero winding number. A `surface_only` body is its
 /// surface; as its interior is unknown, the answer is "maybe" if a connected part of the other body lies wholly in its
@@ -69,9 +75,10 @@ struct TrianglePair {
 };
 
 /// Calls visit(TrianglePair) -> bool for every pair of fine triangles that is not proven farther apart than the margin
-/// during the motion, in a fixed order, until visit returns false. Returns false if visit did. Visits all pairs if a
-/// motion is not usable, and none if a body has no fine mesh. Throws Error, before any call, if the fine mesh of a
-/// shape of a ShapeCache cannot be read. Re-entrant; allocates nothing, except to read such a mesh.
+/// during the motion (see separated()), in a fixed order, until visit returns false. Returns false if visit did. Visits
+/// none if a body has no fine mesh. Throws Error, before any call, for a motion or a margin that is not usable, of
+/// which nothing is known (two meshes of half a million triangles have 2.5e11 pairs), and if the fine mesh of a shape
+/// of a ShapeCache cannot be read. Re-entrant; allocates nothing, except to read such a mesh.
 template <class Visit>
 bool for_each_triangle_pair(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                             double margin, Visit&& visit) {

@@ -35,8 +35,8 @@ struct ShapeOptions {
 ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options = {});
 
 /// Makes a shape without cages, e.g. static terrain, from a mesh as it is, degenerate triangles included. The shape is
-/// solid if no edge is open. Coordinates are rounded to float32; queries account for that. O(n log n); throws Error as
-/// above.
+/// solid if no edge is open. Coordinates are rounded to float32 about a local origin; queries account for that. O(n log
+/// n); throws Error as above, and for coordinates beyond 1e37.
 ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options = {});
 
 /// Returns the same body with its vertices moved, for meshes that deform: the triangles, and the tree, whose boxes are
@@ -87,11 +87,22 @@ std::int64_t level_triangles(const Shape& shape, int level) noexcept;
 /// Returns a bound, in world units and rounded up, of how far a point of the body leaves its straight path if the body
 /// turns about its axis at uniform angular velocity: r (1 - cos(angle/2)), where r is the largest distance of a vertex
 /// from the axis through `pivot` (body frame, before scaling), and `pivot` stays on its straight path. The bound is 0
-/// for a motion without rotation. Add both bodies' bounds to a margin.
+/// for a motion without rotation. Add both bodies' bounds to a margin. The body turns the short way (Motion); the bound
+/// means nothing if the motion is not usable.
 double arc_margin(const Shape& shape, const Motion& motion,
                   const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
 
-/// Returns a world box that contains the body during the whole motion, rounding included. It is not the smallest one,
+/// Returns a bound, in the body frame and rounded up, of the distance of a point of the body from `pivot` (before
+/// scaling). It is that of a ball about the local origin of each part, hence at most some twice the least bound.
+double radius(const Shape& shape, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
+
+/// Returns how far, in world units and rounded up, a correction of this RigidPose::deviation moves points of a body of
+/// this scale: deviation * scale * radius(shape). Add it to a margin, and nothing is missed of what the body touches at
+/// the matrix as it was given.
+double correction_margin(const Shape& shape, double deviation, double scale = 1) noexcept;
+
+/// Returns a world box that contains the body during the whole motion, rounding included, every vertex on its straight
+/// line; arc_margin() widens it for true rotation. It is not the smallest one,
 /// but the box of a cage with few vertices, or of boxes around parts of the surface. It is the whole space if the
 /// motion is not usable.
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept;

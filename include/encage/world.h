@@ -15,6 +15,7 @@
 #include <memory>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 namespace ENCAGE_EXPORT encage {
 
@@ -48,7 +49,8 @@ struct Filter {
   friend bool operator==(const Filter&, const Filter&) = default;
 };
 
-/// At least one body of a pair is dynamic; only dynamic bodies pair with half-spaces.
+/// At least one body of a pair is dynamic, and only dynamic bodies pair with half-spaces, unless BodyOptions::sensor
+/// asks for more.
 enum class BodyKind : std::uint8_t {
   dynamic,    ///< moved by forces and contacts
   kinematic,  ///< moved by the caller, whatever is in the way
@@ -64,6 +66,12 @@ struct BodyOptions {
   /// World units, in [0, 1e150], usually 0. It is added to the margin of every pair of the body.
   double margin = 0;
   double scale = 1;  ///< in [1e-50, 1e50], usually 1; the scale of all motions of the body
+  /// True if the body also forms pairs with kinematic and static bodies and with half-spaces, whatever its own kind.
+  /// Two static bodies, or a static body and a half-space, never form a pair. Usually false.
+  bool sensor = false;
+  /// Body frame, before scaling, each coordinate in [-1e150, 1e150]: the point that stays on its straight path while
+  /// the body turns, usually the centre of mass. It counts only with WorldOptions::arcs.
+  Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
   friend bool operator==(const BodyOptions&, const BodyOptions&) = default;
 };
 
@@ -118,6 +126,29 @@ struct CandidateStatistics {
   std::int64_t listed = 0;
 };
 
+/// What holds for all bodies of a world.
+struct WorldOptions {
+  /// True if each body's arc_margin() about its BodyOptions::pivot is added to the margin of its pairs: candidates are
+  /// then all pairs that may touch while the bodies really turn, at uniform angular velocity, from the start to the end
+  /// pose. By default the world takes vertices to move on straight lines, so that a rod that turns by 90 degrees may
+  /// sweep over a post without being a candidate; where that matters, keep rotations small or set this. Two poses do
+  /// not tell turns of 180 degrees and more (Motion).
+  bool arcs = false;
+  /// Without unit, in [0, 0.1], usually 0 or 1e-4: the world corrects poses that are farther than 1e-9 from rigid by
+  /// nearest_rigid(), if the deviation is at most this, and adds correction_margin() to the margin of the body's pairs.
+  /// So nothing is missed of what the body touches at the pose as given. Rotations in float deviate by some 1e-7. By
+  /// default such poses throw Error.
+  double pose_tolerance = 0;
+};
+
+/// Numbers of bodies.
+struct BodyCounts {
+  std::int64_t dynamic = 0, kinematic = 0, static_ = 0;
+  std::int64_t awake = 0;
+  std::int64_t sensors = 0;
+  std::int64_t corrected = 0;  ///< whose poses have been corrected (WorldOptions::pose_tolerance)
+};
+
 class WorldSnapshot;
 
 /// Bodies and half-spaces, and the search for pairs that may come into contact during a step. The search tests only
@@ -134,11 +165,16 @@ class WorldSnapshot;
 /// depend on the candidates of the previous search, whatever its options. Bad input throws Error, which names the body,
 /// the value and the reason, and leaves the world unchanged; so does std::bad_alloc. Lengths are in world units.
 ///
+/// *Rotation.* Vertices move on straight lines between the poses of a step. WorldOptions::arcs adds what the arcs of
+/// real rotation add; without it a pair that only the arcs bring together is not a candidate.
+///
 /// A world is used by one thread at a time: a search writes to its buffers. That search may borrow threads
 /// (CandidateOptions::executor). Different worlds are independent, even with the same shapes.
 class World {
  public:
   World();
+  /// Throws Error for a bad pose_tolerance.
+  explicit World(const WorldOptions& options);
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -148,7 +184,7 @@ class World {
   ShapeId add_shape(ShapePtr shape, double margin = 0);
 
   /// Adds a body at rest, awake unless it is static. Throws Error for an unknown shape, a pose that is not finite,
-  /// mirrors, or is farther than 1e-9 from rigid, and for bad options.
+  /// mirrors, or is farther than 1e-9 from rigid (WorldOptions::pose_tolerance admits more), and for bad options.
   BodyId add_body(ShapeId shape, const Eigen::Isometry3d& pose, const BodyOptions& options = {});
 
   /// Adds a half-space. Throws Error if the length of the normal differs from 1 by more than 1e-9, or if a number is
@@ -162,7 +198,8 @@ class World {
   /// Sets a rest pose or the motion of the body in the next steps, until it is set again. The body turns the short way
   /// from the start to the end pose: two poses cannot distinguish 190 degrees from -170. Throws Error for a motion that
   /// is not usable (is_usable()), e.g. one whose poses are 180 degrees apart, for a static body that would not rest,
-  /// and for a motion.scale that is neither 1 nor the body's; the body keeps its own scale in either case.
+  /// and for a motion.scale that is neither 1 nor the body's; the body keeps its own scale in either case. Poses within
+  /// WorldOptions::pose_tolerance are corrected first.
   void set_pose(BodyId body, const Eigen::Isometry3d& pose);
   void set_motion(BodyId body, const Motion& motion);
 
@@ -182,8 +219,14 @@ class World {
   /// that every proof holds for the deformed body. Initially 0.
   void set_deformation(BodyId body, double bound);
 
+  /// Sets a number for the caller, e.g. the address of the engine's own body. It has no effect on pairs. Initially 0.
+  void set_user_data(BodyId body, std::uint64_t data);
+
   // References stay valid until the next call of a non-const function.
-  const Motion& motion(BodyId body) const;
+  const Motion& motion(BodyId body) const;  ///< as corrected
+  /// Returns RigidPose::deviation of the body's poses, the larger one of a motion; 0 if they have not been corrected.
+  double pose_deviation(BodyId body) const;
+  std::uint64_t user_data(BodyId body) const;
   const BodyOptions& options(BodyId body) const;
   const ShapePtr& shape(BodyId body) const;
   ShapeId shape_id(BodyId body) const;
@@ -192,6 +235,7 @@ class World {
   const ShapePtr& shape(ShapeId shape) const;
   double margin(ShapeId shape) const;
   const HalfSpace& half_space(HalfSpaceId half_space) const;
+  const WorldOptions& options() const noexcept;
 
   // True for an object that has been added and not removed.
   bool contains(ShapeId shape) const noexcept;
@@ -201,6 +245,12 @@ class World {
   std::int64_t shape_count() const noexcept;
   std::int64_t body_count() const noexcept;
   std::int64_t half_space_count() const noexcept;
+  BodyCounts body_counts() const noexcept;  ///< linear time
+
+  // All that exist, by increasing index.
+  std::vector<ShapeId> shapes() const;
+  std::vector<BodyId> bodies() const;
+  std::vector<HalfSpaceId> half_spaces() const;
 
   /// Calls visit(const CandidatePair&) for every pair that filters allow, that is not left out for sleep, and that
   /// neither world boxes nor separated() prove separated. Pairs come by increasing index of a; for each a first the
@@ -229,8 +279,8 @@ class World {
   WorldSnapshot snapshot() const;
   /// Overwrites a snapshot. It allocates nothing if `reused` has stored as much before.
   void snapshot(WorldSnapshot& reused) const;
-  /// Restores a snapshot of this or of another world. Allocates nothing if this world has stored as much before. Throws
-  /// Error for an empty snapshot.
+  /// Restores a snapshot of this or of another world, WorldOptions included. Allocates nothing if this world has stored
+  /// as much before. Throws Error for an empty snapshot.
   void restore(const WorldSnapshot& snapshot);
 
  private:

@@ -30,10 +30,11 @@ struct ContactPair {
 
 struct WorldContactOptions {
   /// World units, in [0, 1e150]. Surfaces that are apart by no more than this, or may come that near during the
-  /// motions, get points. Margins of shapes and bodies, and bounds of deformation, are added for each pair.
+  /// motions, get points. Margins of shapes and bodies, bounds of deformation, and what
+  /// corrections of poses move are added for each pair.
   double margin = 0;
   bool manifolds = true;        ///< false: no points
-  bool first_contacts = false;  ///< true: times of first contact as well
+  bool first_contacts = false;  ///< true: times of first contact as well, along arcs with WorldOptions::arcs
   /// World units, in [0, 1e150], usually 0. The margin of times of first contact, to which those of the pair are added.
   double first_margin = 0;
   int most_points = 16;    ///< of a pair, in [1, 1024]

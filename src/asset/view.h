@@ -82,6 +82,8 @@ class AssetView {
   void verify_hash(const AssetSection& section) const;
 
   LoadMode mode() const { return image_.mode(); }
+  /// Returns the size of the file's image; 0 if the bytes are the caller's.
+  std::int64_t image_bytes() const noexcept { return static_cast<std::int64_t>(image_.bytes().size()); }
   std::size_t fine_vertex_count() const noexcept { return fine_ ? fine_->vertices.size() : 0; }
   std::size_t fine_triangle_count() const noexcept { return fine_ ? fine_->triangles.size() : 0; }
   /// Returns the bytes of memory of the sections of kind `fine`, gaps between them included.

@@ -8,9 +8,9 @@
 namespace encage {
 
 /// Formats a number for messages, with as few digits as a reader needs to recognise the value.
-inline std::string number_text(double value) {
+inline std::string number_text(double value, int digits = 12) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.12g", value);
+  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
   return text.data();
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "src/files/atomic_file.h"
+#include "src/files/number_text.h"
+#include "src/limits.h"
 
 #include <encage/poses.h>
 
@@ -14,6 +16,7 @@ namespace encage {
 namespace {
 
 constexpr std::string_view header = "step,body,x,y,z,qx,qy,qz,qw";
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // in UTF-8, which spreadsheets write
 constexpr std::array<const char*, 9> column = {"step", "body", "x", "y", "z", "qx", "qy", "qz", "qw"};
 
 struct Row {
@@ -36,10 +39,14 @@ class RowParser {
     for (double& x : v) {
       x = number<double>();
       if (!std::isfinite(x)) fail(std::string(column[next_ - 1]) + " is not finite");
+      if (std::abs(x) > largest_length)
+        fail(std::string(column[next_ - 1]) + " is " + number_text(x) + ", beyond 1e150");
     }
     if (next_ != column.size() || more_) fail("more than 9 columns");
     Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
-    if (!(std::abs(q.norm() - 1) <= 1e-6)) fail("the quaternion's length is not 1");
+    if (const double length = q.norm(); !(std::abs(length - 1) <= 1e-6)) {
+      fail("the quaternion's length is " + number_text(length) + ", not 1");
+    }
     q.normalize();
     row.body.pose.linear() = q.toRotationMatrix();
     row.body.pose.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
@@ -100,6 +107,7 @@ std::vector<PoseStep> read_poses(const std::filesystem::path& file) {
   if (!in || std::filesystem::is_directory(file)) throw Error(file.string() + ": cannot be read");
   std::string line;
   if (!std::getline(in, line)) throw Error(file.string() + ": empty file");
+  if (line.starts_with(byte_order_mark)) line.erase(0, byte_order_mark.size());
   strip_carriage_return(line);
   if (line != header) throw Error(file.string() + ":1: the header is not '" + std::string(header) + "'");
   std::vector<PoseStep> steps;

@@ -45,6 +45,10 @@ struct MeshArrays {
   std::vector<MeshPart> parts;
 
   MeshArraysView view() const { return {{vertices, triangles}, tree, owned, parts}; }
+  std::int64_t bytes() const noexcept {  ///< of all elements
+    const auto of = [](const auto& all) { return static_cast<std::int64_t>(all.size() * sizeof(all[0])); };
+    return of(vertices) + of(triangles) + of(tree.nodes) + of(tree.leaves) + of(owned) + of(parts);
+  }
 };
 
 /// Computes the arrays. Throws Error, its message starting with `place`, if there are no triangles, indices are out of

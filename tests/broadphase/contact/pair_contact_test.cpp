@@ -4,15 +4,18 @@
 #include "oracles/sampled.h"
 
 #include <encage/contact.h>
+#include <encage/error.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -476,6 +479,44 @@ TEST(PairContact, CountsTestsAndSaysHowLate) {
   const auto found = brute_force(scene, {}, engine);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->time, 7.0 / 9, 1e-6);
+}
+
+TEST(FirstContact, RefusesMotionsThatAreNotUsable) {
+  const Body& box = find(bodies(), "box");
+  const Shape& shape = *box.shape;
+  const Motion rest = Motion::resting(Pose::Identity());
+  struct Case {
+    Motion motion;
+    std::string reason;
+  };
+  std::vector<Case> cases;
+  for (const double scale : {0.0, -2.0}) {
+    cases.push_back({Motion::resting(shift(0), scale),
+                     std::string("the scale ") + (scale == 0 ? "0" : "-2") + " is not between 1e-50 and 1e50"});
+  }
+  Motion mirrored = rest, drifted = rest, turned = rest;
+  mirrored.end.linear()(0, 0) = -1;
+  drifted.start.linear()(0, 1) = 1e-6;
+  turned.end.linear() = Eigen::Vector3d(-1, 1, -1).asDiagonal();
+  cases.push_back({mirrored, "the end pose mirrors the body"});
+  cases.push_back({drifted,
+                   "the start pose is 1.41e-06 from rigid, farther than 1e-9: correct it by nearest_rigid() or "
+                   "pose_from()"});
+  cases.push_back({turned, "the rotation within the step reaches 180 degrees: split it, e.g. by split_motion()"});
+  const auto message = [](const std::function<void()>& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  for (const auto& [motion, reason] : cases) {
+    EXPECT_EQ(message([&] { first_contact(shape, motion, shape, rest); }), "first contact: body a: " + reason);
+    EXPECT_EQ(message([&] { first_contact(shape, rest, shape, motion); }), "first contact: body b: " + reason);
+    EXPECT_EQ(message([&] { PairContact(shape, rest, shape, motion); }), "first contact: body b: " + reason);
+    EXPECT_EQ(message([&] { first_contact(shape, motion, HalfSpace{}); }), "first contact: body a: " + reason);
+  }
 }
 
 TEST(FirstContact, DoesNotAllocate) {

@@ -112,7 +112,7 @@ TEST(BareMesh, BadInputIsNamed) {
   EXPECT_EQ(message(mesh), "mesh: vertex 3 is not finite");
   mesh = shapes::cube(1);
   mesh.vertices(3, 1) = 1e60;
-  EXPECT_EQ(message(mesh), "mesh: vertex 3 is too large for float32");
+  EXPECT_EQ(message(mesh), "mesh: vertex 3 has a coordinate of 1e+60, beyond 1e37: choose a larger unit");
   mesh.triangles(2, 0) = 99;
   EXPECT_EQ(message(mesh), "mesh: triangle 2 has vertex 99, of 8");
   EXPECT_EQ(message({}), "mesh: no triangles");

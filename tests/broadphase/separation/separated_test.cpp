@@ -272,6 +272,31 @@ TEST(Separated, PosesThatAreNotRigidAnswerMaybe) {
   EXPECT_FALSE(ask(box, Pose::Identity(), box, far).separated);
 }
 
+TEST(Separated, SaysWhereNothingWasTested) {
+  const Body box = find(sample_bodies(), "box");
+  const Shape& shape = *box.shape;
+  const Motion rest = Motion::resting(Pose::Identity());
+  const HalfSpace floor{.offset = -50};
+  EXPECT_TRUE(separated(shape, rest, shape, rest).usable);  // "maybe" for a reason
+  EXPECT_TRUE(separated(shape, rest, shape, Motion::resting(shift(9))).usable);
+  EXPECT_TRUE(separated(shape, rest, floor).usable);
+  std::vector<Motion> bad(4, Motion::resting(shift(100)));
+  bad[0].end.linear() *= Eigen::DiagonalMatrix<double, 3>(1, -1, 1);
+  bad[1].start.linear() = bad[1].start.linear().eval() * (1 + 1e-6);
+  bad[2].scale = 0;
+  bad[3].scale = -1;
+  for (const Motion& motion : bad) {
+    for (const Verdict& verdict :
+         {separated(shape, rest, shape, motion), separated(shape, motion, shape, rest), separated(shape, motion, floor),
+          separated(shape, rest, shape, motion, PairOptions{.cages = CageUse::always})}) {
+      EXPECT_FALSE(verdict.separated);
+      EXPECT_FALSE(verdict.usable);
+    }
+  }
+  EXPECT_FALSE(separated(shape, rest, shape, rest, -1.0).usable);
+  EXPECT_FALSE(separated(shape, rest, floor, std::numeric_limits<double>::quiet_NaN()).usable);
+}
+
 TEST(Separated, AMovingPairIsSeparatedDuringTheWholeStep) {
   const Body box = find(sample_bodies(), "box");
   const Motion still = Motion::resting(Pose::Identity());

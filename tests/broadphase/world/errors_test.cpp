@@ -33,6 +33,7 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
   mirrored.linear()(2, 2) = -1;
   turned.linear() = Eigen::AngleAxisd(std::acos(-1.0), Vector(1, 2, 3).normalized()).toRotationMatrix();
   const auto no_visit = [](const CandidatePair&) { FAIL(); };
+  const std::string remedy = ": correct it by nearest_rigid() or pose_from()";
   struct Case {
     std::function<void()> call;
     std::string says;
@@ -43,14 +44,15 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
       {[&] { world.add_body(shape, nan); }, "body 2 (generation 1): the pose is not finite"},
       {[&] { world.add_body(shape, infinite); }, "body 2 (generation 1): the pose is not finite"},
       {[&] { world.add_body(shape, distant); }, "body 2 (generation 1): the pose is farther than 1e150 away"},
-      {[&] { world.add_body(shape, stretched); }, "body 2 (generation 1): the pose is farther than 1e-9 from rigid"},
+      {[&] { world.add_body(shape, stretched); },
+       "body 2 (generation 1): the pose is 2e-08 from rigid, farther than 1e-9" + remedy},
       {[&] { world.add_body(shape, shift(0), {.margin = -1}); }, "body 2 (generation 1): the margin -1 is negative"},
       {[&] { world.add_body(shape, shift(0), {.margin = std::nan("")}); },
        "body 2 (generation 1): the margin nan is not a number"},
       {[&] { world.add_body(shape, shift(0), {.margin = infinity}); },
        "body 2 (generation 1): the margin inf is larger than 1e150"},
       {[&] { world.set_pose(body, nan); }, "body 0: the pose is not finite"},
-      {[&] { world.set_pose(body, stretched); }, "body 0: the pose is farther than 1e-9 from rigid"},
+      {[&] { world.set_pose(body, stretched); }, "body 0: the pose is 2e-08 from rigid, farther than 1e-9" + remedy},
       {[&] { world.add_body(shape, mirrored); }, "body 2 (generation 1): the pose mirrors the body"},
       {[&] {
          world.set_motion(body, {shift(0), mirrored});
@@ -71,11 +73,11 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
       {[&] {
          world.set_motion(body, {stretched, shift(0)});
        },
-       "body 0: the start pose is farther than 1e-9 from rigid"},
+       "body 0: the start pose is 2e-08 from rigid, farther than 1e-9" + remedy},
       {[&] {
          world.set_motion(body, {shift(0), turned});
        },
-       "body 0: the rotation within the step reaches 180 degrees"},
+       "body 0: the rotation within the step reaches 180 degrees: split it, e.g. by split_motion()"},
       {[&] {
          world.set_motion(ground, {shift(0), shift(1)});
        },
@@ -124,6 +126,17 @@ TEST(WorldErrors, RefuseBadInputAndStayAsTheyAre) {
        "body 0: a body that moves within a step cannot become static"},
       {[&] { world.add_body(shape, shift(0), {.scale = 0}); },
        "body 2 (generation 1): the scale 0 is not between 1e-50 and 1e50"},
+      {[&] { world.set_options(body, {.pivot = Vector(0, infinity, 0)}); },
+       "body 0: the pivot is not finite or beyond 1e150"},
+      {[&] { world.set_options(body, {.pivot = Vector(0, 0, std::nan(""))}); },
+       "body 0: the pivot is not finite or beyond 1e150"},
+      {[&] { world.set_user_data(removed, 1); }, "body 2: was removed"},
+      {[&] { (void)world.user_data(removed); }, "body 2: was removed"},
+      {[&] { (void)world.pose_deviation(removed); }, "body 2: was removed"},
+      {[&] { World(WorldOptions{.pose_tolerance = -1}); },
+       "world options: the pose tolerance -1 is not between 0 and 0.1"},
+      {[&] { World(WorldOptions{.pose_tolerance = std::nan("")}); },
+       "world options: the pose tolerance nan is not between 0 and 0.1"},
       {[&] { world.set_scale(body, -2); }, "body 0: the scale -2 is not between 1e-50 and 1e50"},
       {[&] { world.set_scale(body, std::nan("")); }, "body 0: the scale nan is not between 1e-50 and 1e50"},
       {[&] { world.set_scale(body, infinity); }, "body 0: the scale inf is not between 1e-50 and 1e50"},

@@ -6,6 +6,7 @@
 #include "oracles/body.h"
 #include "oracles/sample_shapes.h"
 
+#include <encage/rigid_pose.h>
 #include <encage/world.h>
 
 #include <gtest/gtest.h>
@@ -118,7 +119,9 @@ inline std::string error_of(const std::function<void()>& call) {
 // ---- Against brute force -------------------------------------------------
 
 inline bool may_pair(const BodyOptions& a, const BodyOptions& b) {
-  if (a.kind != BodyKind::dynamic && b.kind != BodyKind::dynamic) return false;
+  const int still = (a.kind == BodyKind::static_ ? 1 : 0) + (b.kind == BodyKind::static_ ? 1 : 0);
+  const bool dynamic = a.kind == BodyKind::dynamic || b.kind == BodyKind::dynamic;
+  if (!dynamic && (still == 2 || (!a.sensor && !b.sensor))) return false;
   if (a.group == b.group && a.group > 0) return true;
   if (a.group == b.group && a.group < 0) return false;
   return (a.filter.category & b.filter.mask) && (b.filter.category & a.filter.mask);
@@ -127,7 +130,7 @@ inline bool may_pair(const BodyOptions& a, const BodyOptions& b) {
 /// A world, and the same bodies in plain lists.
 class Twin {
  public:
-  explicit Twin(unsigned seed) : random_(seed) {
+  explicit Twin(unsigned seed, const WorldOptions& options = {}) : world(options), random_(seed) {
     for (const Sample& s : sample_shapes(0)) {
       add_shape(s);
       add_shape(without_cages(s));
@@ -141,7 +144,7 @@ class Twin {
     e.shape = random_() % shapes_.size();
     e.options = options();
     const Pose start = pose();
-    e.motion = Motion::resting(start, e.options.scale);
+    take(e, Motion::resting(start, e.options.scale));
     e.awake = e.options.kind != BodyKind::static_;
     e.id = world.add_body(shapes_[e.shape].id, start, e.options);
     put(bodies_, e);
@@ -184,7 +187,7 @@ class Twin {
       BodyOptions changed = options();
       if (!e.motion.at_rest() && changed.kind == BodyKind::static_) changed.kind = BodyKind::kinematic;
       e.options = changed;
-      e.motion.scale = changed.scale;
+      e.motion.scale = e.given.scale = changed.scale;
       if (was_static || changed.kind == BodyKind::static_) e.awake = changed.kind != BodyKind::static_;
       world.set_options(e.id, changed);
     } else if (kind == Change::shape) {
@@ -194,17 +197,21 @@ class Twin {
       e.deformation = uniform();
       world.set_deformation(e.id, e.deformation);
     } else if (kind <= Change::pose_last || e.options.kind == BodyKind::static_) {
-      e.motion = Motion::resting(pose(), e.options.scale);
-      world.set_pose(e.id, e.motion.start);
+      take(e, Motion::resting(pose(), e.options.scale));
+      world.set_pose(e.id, e.given.start);
     } else {  // continues from its present position, near or far
-      e.motion.start = e.motion.end;
-      e.motion.end.translation() += direction() * (kind < 6 ? 3 : 0.2);
-      e.motion.end.linear() *= Eigen::AngleAxisd(2 * uniform(), direction().normalized()).toRotationMatrix();
-      e.motion.end.linear() = Eigen::Quaterniond(e.motion.end.linear()).normalized().toRotationMatrix();
-      world.set_motion(e.id, e.motion);
+      Motion motion = e.motion;
+      motion.start = motion.end;
+      motion.end.translation() += direction() * (kind < 6 ? 3 : 0.2);
+      motion.end.linear() *= Eigen::AngleAxisd(2 * uniform(), direction().normalized()).toRotationMatrix();
+      motion.end.linear() = Eigen::Quaterniond(motion.end.linear()).normalized().toRotationMatrix();
+      spoil(motion.end);
+      take(e, motion);
+      world.set_motion(e.id, e.given);
     }
     e.changed = e.changed || e.shape != before.shape || e.deformation != before.deformation ||
-                e.options != before.options || e.motion.start.matrix() != before.motion.start.matrix() ||
+                e.deviation != before.deviation || e.options != before.options ||
+                e.motion.start.matrix() != before.motion.start.matrix() ||
                 e.motion.end.matrix() != before.motion.end.matrix();
   }
 
@@ -248,8 +255,9 @@ class Twin {
       }
       for (const Plane& p : planes_) {
         const Filter &f = x.options.filter, &g = p.filter;
-        const bool allowed =
-            x.options.kind == BodyKind::dynamic && (f.category & g.mask) != 0 && (g.category & f.mask) != 0;
+        const bool meets =
+            x.options.kind == BodyKind::dynamic || (x.options.kind == BodyKind::kinematic && x.options.sensor);
+        const bool allowed = meets && (f.category & g.mask) != 0 && (g.category & f.mask) != 0;
         if (p.removed) continue;
         look(x, p, allowed,
              [&] { return separated(*shapes_[x.shape].shape, x.motion, p.half_space, asked.margin + margin(x)); });
@@ -272,16 +280,16 @@ class Twin {
 
   /// Returns another world with the same bodies under the same ids, all awake, without any history.
   World fresh() const {
-    World other;
+    World other(world.options());
     for (const SharedShape& s : shapes_) other.add_shape(s.shape, s.margin);
     for (const Entry& e : bodies_) {
-      const auto add = [&] { return other.add_body(shapes_[e.shape].id, e.motion.start, e.options); };
+      const auto add = [&] { return other.add_body(shapes_[e.shape].id, e.given.start, e.options); };
       BodyId id = add();
       while (id != e.id) {
         other.remove_body(id);
         id = add();
       }
-      other.set_motion(id, e.motion);
+      other.set_motion(id, e.given);
       other.set_deformation(id, e.deformation);
     }
     for (const Entry& e : bodies_) {
@@ -312,7 +320,8 @@ class Twin {
     BodyId id{};
     std::size_t shape = 0;
     BodyOptions options;
-    Motion motion;
+    Motion given, motion;  // motion: as corrected
+    double deviation = 0;
     double deformation = 0;
     bool awake = true, changed = true, removed = false;
   };
@@ -345,7 +354,29 @@ class Twin {
     ASSERT_EQ(generation(one.id), generation(all[i].id) + 1);
     all[i] = one;
   }
-  double margin(const Entry& e) const { return e.options.margin + shapes_[e.shape].margin + e.deformation; }
+  double margin(const Entry& e) const {
+    const SharedShape& shared = shapes_[e.shape];
+    double sum = e.options.margin + shared.margin + e.deformation;
+    sum += correction_margin(*shared.shape, e.deviation, e.options.scale);
+    if (world.options().arcs) sum += arc_margin(*shared.shape, e.motion, e.options.pivot);
+    return sum;
+  }
+
+  /// Rounds some rotations to float, where the world accepts that.
+  void spoil(Pose& pose) {
+    if (world.options().pose_tolerance == 0 || random_() % 2 == 0) return;
+    pose.linear() = pose.linear().cast<float>().cast<double>().eval();
+  }
+  static void take(Entry& e, const Motion& given) {
+    e.given = e.motion = given;
+    e.deviation = 0;
+    for (Pose* pose : {&e.motion.start, &e.motion.end}) {
+      if (is_usable(Motion::resting(*pose))) continue;
+      const RigidPose rigid = nearest_rigid(pose->matrix());
+      *pose = rigid.pose;
+      e.deviation = std::max(e.deviation, rigid.deviation);
+    }
+  }
 
   BodyOptions options() {
     BodyOptions o;
@@ -355,6 +386,8 @@ class Twin {
     if (random_() % 4 == 0) o.scale = 0.5 + uniform();
     if (random_() % 4 == 0) o.filter = {1u << random_() % 3, static_cast<std::uint32_t>(random_() % 8)};
     if (random_() % 4 == 0) o.group = static_cast<int>(random_() % 5) - 2;
+    o.sensor = random_() % 4 == 0;
+    if (random_() % 4 == 0) o.pivot = direction();
     return o;
   }
   void change_plane() {
@@ -376,6 +409,7 @@ class Twin {
       p.linear() =
           Eigen::Quaterniond(uniform() + 0.01, uniform(), uniform(), uniform()).normalized().toRotationMatrix();
     }
+    spoil(p);
     return p;
   }
   void add_shape(const Sample& sample) {

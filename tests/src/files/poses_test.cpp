@@ -60,10 +60,25 @@ TEST_F(Poses, ReadsStepsAndBodies) {
   EXPECT_EQ(steps[1].bodies[0].pose.linear().diagonal(), Eigen::Vector3d(1, -1, -1));
 }
 
+TEST_F(Poses, BeginWithAByteOrderMarkOrWithout) {
+  const std::string mark = "\xEF\xBB\xBF", row = "0,0,1,2,3,0,0,0,1\n";
+  EXPECT_EQ(read(mark + header + row)[0].bodies[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read(mark + header.substr(0, header.size() - 1) + "\r\n" + row).size(), 1u);
+  const std::string bad_header = "1: the header is not 'step,body,x,y,z,qx,qy,qz,qw'";
+  EXPECT_EQ(refusal(mark + mark + header + row), bad_header);
+  EXPECT_EQ(refusal(mark.substr(0, 2) + header + row), bad_header);
+  EXPECT_EQ(refusal(header + mark + row), "2: column step is not a number in range: '" + mark + "0'");
+  EXPECT_EQ(refusal(mark), bad_header);
+}
+
+TEST_F(Poses, ReachAsFarAsQueriesAccept) {
+  EXPECT_EQ(read(header + "0,0,1e150,-1e150,0,0,0,0,1\n")[0].bodies[0].pose.translation().x(), 1e150);
+}
+
 TEST_F(Poses, NormalisesWhatIsNearlyUnit) {
   const auto steps = read(header + "0,0,0,0,0,0,0,0,1.0000009\n");
   EXPECT_TRUE(steps[0].bodies[0].pose.linear().isIdentity(1e-15));
-  EXPECT_EQ(refusal(header + "0,0,0,0,0,0,0,0,1.000002\n"), "2: the quaternion's length is not 1");
+  EXPECT_EQ(refusal(header + "0,0,0,0,0,0,0,0,1.000002\n"), "2: the quaternion's length is 1.000002, not 1");
 }
 
 TEST_F(Poses, NamesLineAndReason) {
@@ -79,7 +94,9 @@ TEST_F(Poses, NamesLineAndReason) {
   EXPECT_EQ(refusal(header + "0,0,0,1e999,0,0,0,0,1\n"), "2: column y is not a number in range: '1e999'");
   EXPECT_EQ(refusal(header + "0,0,0,0,inf,0,0,0,1\n"), "2: z is not finite");
   EXPECT_EQ(refusal(header + "0,0,0,0,0,nan,0,0,1\n"), "2: qx is not finite");
-  EXPECT_EQ(refusal(header + "0,0,0,0,0,0,0,0,0\n"), "2: the quaternion's length is not 1");
+  EXPECT_EQ(refusal(header + "0,0,0,1e300,0,0,0,0,1\n"), "2: y is 1e+300, beyond 1e150");
+  EXPECT_EQ(refusal(header + "0,0,0,0,-1.1e150,0,0,0,1\n"), "2: z is -1.1e+150, beyond 1e150");
+  EXPECT_EQ(refusal(header + "0,0,0,0,0,0,0,0,0\n"), "2: the quaternion's length is 0, not 1");
   EXPECT_EQ(refusal(header + "0,4294967296,0,0,0,0,0,0,1\n"), "2: column body is not a number in range: '4294967296'");
   EXPECT_EQ(refusal(header + "-1,0,0,0,0,0,0,0,1\n"), "2: step is negative");
   EXPECT_EQ(refusal(header + "0,-2,0,0,0,0,0,0,1\n"), "2: body is negative");
