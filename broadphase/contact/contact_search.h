@@ -36,7 +36,7 @@ struct ContactMemory {
   };
   std::vector<Vertex> vertices_a, vertices_b;
   std::vector<Edges> edges;
-  const Surface *surface_a = nullptr, *surface_b = nullptr;
+  std::uint64_t shape_a = 0, shape_b = 0;  ///< numbers of the shapes; another shape may come to have the same address
   double scale_a = 1, scale_b = 1;
   double limit = 0;    ///< of the search, beyond which it remembers what is within reach
   double reach = -1;   ///< how far the bodies may have approached each other since; negative if nothing is known
@@ -44,7 +44,7 @@ struct ContactMemory {
 
   void clear() {
     reach = -1;
-    surface_a = surface_b = nullptr;
+    shape_a = shape_b = 0;
     vertices_a.clear();
     vertices_b.clear();
     edges.clear();

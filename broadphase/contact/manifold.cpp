@@ -87,7 +87,7 @@ void search_with_memory(ContactScratch& search, const ContactQuery& query, doubl
   const double ahead = query.approach;
   const auto nothing = [&] { return memory.vertices_a.empty() && memory.vertices_b.empty() && memory.edges.empty(); };
   const ContactBody &a = search.a, &b = search.b;
-  const bool same = memory.surface_a == a.surface && memory.surface_b == b.surface && memory.scale_a == a.scale &&
+  const bool same = memory.shape_a == a.shape && memory.shape_b == b.shape && memory.scale_a == a.scale &&
                     memory.scale_b == b.scale;
   if (memory.reach >= 0 && same) {
     const double approach = drift(search, memory.relative) + ahead;
@@ -102,8 +102,8 @@ void search_with_memory(ContactScratch& search, const ContactQuery& query, doubl
   memory.reach = memory_margins * margin + ahead;
   memory.relative = local_to_local(b, a);
   memory.limit = query.limit;
-  memory.surface_a = a.surface;
-  memory.surface_b = b.surface;
+  memory.shape_a = a.shape;
+  memory.shape_b = b.shape;
   memory.scale_a = a.scale;
   memory.scale_b = b.scale;
   find_contacts(search, query, &memory);

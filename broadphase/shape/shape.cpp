@@ -9,7 +9,9 @@
 #include <encage/error.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -146,6 +148,12 @@ MeshArraysView keep(SimpleShape& shape, MeshArrays arrays) {
 }
 
 }  // namespace
+
+SimpleShape::SimpleShape()
+    : Shape(false), number([] {
+        static std::atomic<std::uint64_t> last{0};
+        return last.fetch_add(1, std::memory_order_relaxed) + 1;
+      }()) {}
 
 Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
   double squared = 0;

@@ -79,8 +79,9 @@ class ENCAGE_HIDDEN Shape {
 /// Surfaces of one rigid body in its own frame: cages, the fine mesh, or both.
 class ENCAGE_HIDDEN SimpleShape final : public Shape {
  public:
-  SimpleShape() : Shape(false) {}
+  SimpleShape();
 
+  const std::uint64_t number;  ///< > 0, of no other shape of the process
   LocalFrame frame;  ///< of all surfaces; its radius is the largest of theirs
   Solid solid = Solid::closed;
   bool hollow = false;         ///< the body is its surface alone

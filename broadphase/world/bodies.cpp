@@ -91,6 +91,18 @@ ShapeId World::State::add_shape(ShapePtr shape, double margin) {
   return shape_ids_.add();
 }
 
+void World::State::set_shape(ShapeId id, ShapePtr replacement) {
+  check_unlocked();
+  shape(id);
+  if (!replacement) refuse(id, "null");
+  SharedShape& known = shapes_[index(id)];
+  known.box = world_box(*replacement, Motion::resting(Eigen::Isometry3d::Identity()));
+  known.shape = std::move(replacement);
+  for (std::uint32_t n = 0; n < body_ids_.slots(); ++n) {
+    if (body_ids_.is_used(n) && bodies_[n].shape == id) update(n);
+  }
+}
+
 void World::State::remove(ShapeId id) {
   check_unlocked();
   if (shape(id).bodies > 0) {

@@ -39,6 +39,7 @@ class ENCAGE_HIDDEN World::State {
   void set_pose(BodyId body, const Eigen::Isometry3d& pose);
   void set_motion(BodyId body, const Motion& motion);
   void set_shape(BodyId body, ShapeId shape);
+  void set_shape(ShapeId id, ShapePtr replacement);
   void set_options(BodyId body, const BodyOptions& options);
   void set_awake(BodyId body, bool awake);
   void set_deformation(BodyId body, double bound);

@@ -30,6 +30,7 @@ void World::remove_half_space(HalfSpaceId half_space) { state_->remove(half_spac
 void World::set_pose(BodyId body, const Eigen::Isometry3d& pose) { state_->set_pose(body, pose); }
 void World::set_motion(BodyId body, const Motion& motion) { state_->set_motion(body, motion); }
 void World::set_shape(BodyId body, ShapeId shape) { state_->set_shape(body, shape); }
+void World::set_shape(ShapeId id, ShapePtr shape) { state_->set_shape(id, std::move(shape)); }
 void World::set_options(BodyId body, const BodyOptions& options) { state_->set_options(body, options); }
 void World::set_filter(BodyId body, const Filter& filter) {
   BodyOptions changed = options(body);

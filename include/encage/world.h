@@ -204,6 +204,9 @@ class World {
   void set_motion(BodyId body, const Motion& motion);
 
   void set_shape(BodyId body, ShapeId shape);
+  /// Puts another shape in the place of a shape, for all its bodies at once, e.g. that of a mesh that deforms
+  /// (refit_shape()). Pairs and their events go on. Linear in the number of bodies. Throws Error for a null shape.
+  void set_shape(ShapeId id, ShapePtr shape);
   /// Sets all options at once. A body that becomes static falls asleep; one that ceases to be static wakes. Throws
   /// Error for bad options, and for a body that would become static while it moves.
   void set_options(BodyId body, const BodyOptions& options);

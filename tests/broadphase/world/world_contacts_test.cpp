@@ -322,6 +322,33 @@ TEST(WorldContacts, TimesOfFirstContactAlone) {
   EXPECT_NEAR(found[0].first->time, 2.0 / 3, 1e-6);
 }
 
+TEST(WorldContacts, FollowAMeshThatDeforms) {
+  World world;
+  const TriangleMesh ball = shapes::sphere(3);
+  const ShapeId soft = world.add_shape(make_shape(ball));
+  const BodyId body = world.add_body(soft, Stack::at(1));
+  world.add_body(soft, Stack::at(10));
+  const ShapeId board = world.add_shape(make_shape(shapes::box({-4, -4, -1}, {4, 4, 0})));
+  world.add_body(board, Pose::Identity(), {.kind = BodyKind::static_});
+  EXPECT_THROW(world.set_shape(soft, nullptr), Error);
+  WorldContacts contacts;
+  std::vector<PairEvent> events;
+  // The lower half is flattened, little by little, and comes back.
+  for (const double height : {1.0, 1.0, 0.999, 0.99, 0.9, 0.99, 0.999, 1.0}) {
+    Vertices vertices = ball.vertices;
+    for (Eigen::Index v = 0; v < vertices.rows(); ++v) vertices(v, 2) = std::max(vertices(v, 2), -height);
+    world.set_shape(soft, refit_shape(*world.shape(soft), vertices));
+    const std::vector<Seen> found = find(contacts, world, {.margin = 0.005});
+    for (const Seen& seen : found) {
+      EXPECT_EQ(seen.a, body);
+      events.push_back(seen.event);
+      for (const ManifoldPoint& p : seen.points) EXPECT_NEAR(p.separation, 1 - height, 1e-6);
+    }
+  }
+  EXPECT_EQ(events, (std::vector{PairEvent::begin, PairEvent::persist, PairEvent::persist, PairEvent::end,
+                                 PairEvent::begin, PairEvent::persist}));
+}
+
 TEST(WorldContacts, DoNotAllocateOnceAllPairsHaveBeenThere) {
   Stack stack;
   const auto round = [&] {
