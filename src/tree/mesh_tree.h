@@ -5,7 +5,9 @@
 
 #include <encage/mesh.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -24,6 +26,11 @@ struct TreeGrid {
   /// Converts a coordinate to a grid coordinate, without rounding to an integer.
   double coordinate(int axis, double x) const {
     return (x - static_cast<double>(middle[axis])) / static_cast<double>(step);
+  }
+  /// Grid steps. Bounds how far at() is from its coordinate: two roundings in float.
+  double rounding() const {
+    const float far = std::max({std::abs(middle[0]), std::abs(middle[1]), std::abs(middle[2])});
+    return 0x1p-22 * (0x1p15 + static_cast<double>(far) / static_cast<double>(step));
   }
 };
 
