@@ -38,32 +38,45 @@ HWY_INLINE hn::Vec<BoxLanes> load_as_float(const Integer* from) {
   return hn::ConvertTo(d, hn::PromoteTo(wide, hn::LoadU(from_type, from)));
 }
 
-/// Bounds from below, but for rounding, the squared distances in grid steps from p to what lies in the boxes and slabs.
+/// Bounds from below, but for rounding, the squared distances in grid steps from p to what lies in the boxes and slabs:
+/// by the box, by the slab, and along the line from the box's middle, on which box and slab count together.
 HWY_INLINE void squared_distances_to_boxes(const MeshNode& node, const std::array<float, 3>& p,
                                            std::array<float, MeshNode::width>& squared) {
   const BoxLanes d;
-  const auto zero = hn::Zero(d);
+  const auto zero = hn::Zero(d), one_half = hn::Set(d, 0.5F);
+  const auto unit = hn::Set(d, static_cast<float>(MeshNode::slab_unit));
   for (std::size_t first = 0; first < static_cast<std::size_t>(MeshNode::width); first += hn::Lanes(d)) {
-    auto sum = zero, along = zero, length = zero;
+    auto sum = zero, height = zero, middle_height = zero, length = zero, line = zero;
+    hn::Vec<BoxLanes> n[3], half[3], to[3];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto at = hn::Set(d, p[axis]);
-      const auto below = hn::Sub(load_as_float(node.lower[axis] + first), at),
-                 above = hn::Sub(at, load_as_float(node.upper[axis] + first));
-      const auto beside = hn::Max(hn::Max(below, above), zero);
+      const auto low = load_as_float(node.lower[axis] + first), high = load_as_float(node.upper[axis] + first);
+      const auto middle = hn::Mul(one_half, hn::Add(low, high));
+      half[axis] = hn::Mul(one_half, hn::Sub(high, low));
+      to[axis] = hn::Sub(hn::Set(d, p[axis]), middle);
+      line = hn::MulAdd(to[axis], to[axis], line);
+      const auto beside = hn::Max(hn::Sub(hn::Abs(to[axis]), half[axis]), zero);
       sum = hn::MulAdd(beside, beside, sum);
-      const auto n = load_as_float(node.normal[axis] + first);
-      along = hn::MulAdd(n, at, along);
-      length = hn::MulAdd(n, n, length);
+      n[axis] = load_as_float(node.normal[axis] + first);
+      height = hn::MulAdd(n[axis], to[axis], height);
+      middle_height = hn::MulAdd(n[axis], middle, middle_height);
+      length = hn::MulAdd(n[axis], n[axis], length);
     }
-    const auto unit = hn::Set(d, static_cast<float>(MeshNode::slab_unit));
-    const auto below = hn::NegMulAdd(along, hn::Set(d, 1.0F / static_cast<float>(MeshNode::slab_unit)),
-                                     load_as_float(node.slab_lower + first)),
-               above = hn::MulSub(along, hn::Set(d, 1.0F / static_cast<float>(MeshNode::slab_unit)),
-                                  load_as_float(node.slab_upper + first));
-    const auto beside = hn::Mul(hn::Max(hn::Max(below, above), zero), unit);
+    // Heights of the slab over the box's middle.
+    const auto low = hn::MulSub(load_as_float(node.slab_lower + first), unit, middle_height),
+               high = hn::MulSub(load_as_float(node.slab_upper + first), unit, middle_height);
+    const auto beside = hn::Max(hn::Max(hn::Sub(low, height), hn::Sub(height, high)), zero);
     // Unused lanes and nodes without a slab have normals of length 0.
-    const auto from_slab = hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(hn::Mul(beside, beside), length));
-    hn::StoreU(hn::Max(sum, from_slab), d, squared.data() + first);
+    const auto has_slab = hn::Gt(length, zero);
+    const auto per_length = hn::IfThenElseZero(has_slab, hn::Div(hn::Set(d, 1.0F), length));
+    const auto from_slab = hn::Mul(hn::Mul(beside, beside), per_length);
+    // The line is a part along the normal, on which the slab bounds, and a rest, on which the box does.
+    const auto part = hn::Mul(height, per_length);
+    auto gap = hn::NegMulAdd(part, hn::IfThenElse(hn::Gt(part, zero), high, low), line);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      gap = hn::NegMulAdd(hn::Abs(hn::NegMulAdd(part, n[axis], to[axis])), half[axis], gap);
+    }
+    const auto on_line = hn::IfThenElseZero(hn::Gt(gap, zero), hn::Mul(gap, hn::Div(gap, line)));
+    hn::StoreU(hn::Max(on_line, hn::Max(sum, from_slab)), d, squared.data() + first);
   }
 }
 
@@ -154,8 +167,8 @@ NearestTriangle nearest_triangle(const MeshArraysView& surface, const Eigen::Vec
     slack += 1e-6 * std::abs(coordinate);
   }
   struct Entry {
-    std::int32_t node;
     float squared;
+    std::uint32_t link;
   };
   std::array<Entry, traversal_stack_size> stack;
   std::size_t size = 0;
@@ -171,37 +184,36 @@ NearestTriangle nearest_triangle(const MeshArraysView& surface, const Eigen::Vec
   while (size > 0) {
     const Entry entry = stack[--size];
     if (static_cast<double>(entry.squared) > limit) continue;
-    const MeshNode& node = tree.nodes[static_cast<std::size_t>(entry.node)];
-    std::array<float, MeshNode::width> to_box;
-    squared_distances_to_boxes(node, at, to_box);
-    const std::size_t bottom = size;
-    for (int lane = 0; lane < MeshNode::width; ++lane) {
-      const int count = node.count(lane);
-      if (count == MeshNode::unused) break;
-      const float lane_squared = to_box[static_cast<std::size_t>(lane)];
-      if (static_cast<double>(lane_squared) > limit) continue;
-      if (count == MeshNode::inner) {
+    const int count = MeshNode::count_of(entry.link);
+    const auto child = static_cast<std::size_t>(MeshNode::child_of(entry.link));
+    if (count == MeshNode::inner) {
+      const MeshNode& node = tree.nodes[child];
+      std::array<float, MeshNode::width> to_box;
+      squared_distances_to_boxes(node, at, to_box);
+      const std::size_t bottom = size;
+      for (std::size_t lane = 0; lane < to_box.size() && node.link[lane] < MeshNode::unused_link; ++lane) {
+        if (static_cast<double>(to_box[lane]) > limit) continue;
         // The nearest one last, to be opened first.
         std::size_t place = size++;
-        for (; place > bottom && stack[place - 1].squared < lane_squared; --place) stack[place] = stack[place - 1];
-        stack[place] = {node.child(lane), lane_squared};
-        continue;
+        for (; place > bottom && stack[place - 1].squared < to_box[lane]; --place) stack[place] = stack[place - 1];
+        stack[place] = {to_box[lane], node.link[lane]};
       }
-      auto leaf = tree.leaves.subspan(static_cast<std::size_t>(node.child(lane)), static_cast<std::size_t>(count));
-      while (!leaf.empty()) {
-        const auto four = leaf.first(std::min<std::size_t>(leaf.size(), MeshTree::leaf_size));
-        leaf = leaf.subspan(four.size());
-        alignas(32) std::array<double, MeshTree::leaf_size> squared;
-        squared_distances(LeafCorners(surface.mesh, four), p, filter, squared);
-        const double before = least;
-        for (std::size_t i = 0; i < four.size(); ++i) {
-          if (!(squared[i] < least || (squared[i] == least && nearest > four[i].triangle))) continue;
-          least = squared[i];
-          nearest = four[i].triangle;
-        }
-        if (least < before) set_limit();
+      continue;
+    }
+    auto leaf = tree.leaves.subspan(child, static_cast<std::size_t>(count));
+    const double before = least;
+    while (!leaf.empty()) {
+      const auto four = leaf.first(std::min<std::size_t>(leaf.size(), MeshTree::leaf_size));
+      leaf = leaf.subspan(four.size());
+      alignas(32) std::array<double, MeshTree::leaf_size> squared;
+      squared_distances(LeafCorners(surface.mesh, four), p, filter, squared);
+      for (std::size_t i = 0; i < four.size(); ++i) {
+        if (!(squared[i] < least || (squared[i] == least && nearest > four[i].triangle))) continue;
+        least = squared[i];
+        nearest = four[i].triangle;
       }
     }
+    if (least < before) set_limit();
   }
   return {nearest, least};
 }

@@ -36,6 +36,24 @@ std::array<double, 3> weights_at(const TriangleD& t, const Vector& p) {
   return weights;
 }
 
+/// Half the diagonal of the surface's box.
+double radius_of(const Surface& surface) {
+  return (1 + 8 * eps) * 0.5 * (surface.upper.cast<double>() - surface.lower.cast<double>()).norm();
+}
+
+/// Fills in what follows from the direction and the error.
+void set_direction(LocalRay& ray, const Surface& surface, double radius, double error) {
+  ray.error = error;
+  int axis = 0;
+  const double largest = ray.direction.cwiseAbs().maxCoeff(&axis);
+  ray.axes = {axis, (axis + 1) % 3, (axis + 2) % 3};
+  for (std::size_t k = 0; k < 2; ++k) ray.shear[k] = ray.direction[ray.axes[k + 1]] / ray.direction[axis];
+  ray.per_axis = 1 / ray.direction[axis];
+  ray.along = static_cast<double>(surface.tree.grid.step) / 32 + 8 * error;
+  ray.certain = ray.along / largest;
+  ray.length = (2 * radius + 4 * error) / ray.direction.norm();
+}
+
 }  // namespace
 
 std::optional<LocalRay> local_ray(const PosedPart& part, const Surface& surface, const Ray& ray,
@@ -44,7 +62,7 @@ std::optional<LocalRay> local_ray(const PosedPart& part, const Surface& surface,
   local.size = ray.direction.cwiseAbs().maxCoeff();
   local.direction = part.local_direction(ray.direction / local.size);
   const Vector middle = 0.5 * (surface.lower.cast<double>() + surface.upper.cast<double>());
-  const double radius = (1 + 8 * eps) * 0.5 * (surface.upper.cast<double>() - surface.lower.cast<double>()).norm();
+  const double radius = radius_of(surface);
   const Vector from_middle = part.local(ray.origin) - middle;
   local.shift = -from_middle.dot(local.direction) / local.direction.squaredNorm();
   const Vector nearest = from_middle + local.shift * local.direction;
@@ -55,16 +73,22 @@ std::optional<LocalRay> local_ray(const PosedPart& part, const Surface& surface,
   local.t_max = ray.t_max;
   local.low = ray.t_min * local.size - local.shift;
   local.high = ray.t_max * local.size - local.shift;
-  local.error = 2 * moved + 32 * eps * radius;
-  int axis = 0;
-  const double largest = local.direction.cwiseAbs().maxCoeff(&axis);
-  local.axes = {axis, (axis + 1) % 3, (axis + 2) % 3};
-  for (int k = 0; k < 2; ++k) local.shear[k] = local.direction[local.axes[k + 1]] / local.direction[axis];
-  local.per_axis = 1 / local.direction[axis];
-  local.along = static_cast<double>(surface.tree.grid.step) / 32 + 8 * local.error;
-  local.certain = local.along / largest;
-  local.length = (2 * radius + 4 * local.error) / local.direction.norm();
+  set_direction(local, surface, radius, 2 * moved + 32 * eps * radius);
   local.ignore_back_faces = options.back_faces == BackFaces::ignore;
+  return local;
+}
+
+LocalRay local_ray(const Surface& surface, const WindingRay& ray, const Vector& point) noexcept {
+  LocalRay local;
+  local.origin = point;
+  local.direction[ray.axis] = 1;
+  local.direction[(ray.axis + 1) % 3] = ray.slope1;
+  local.direction[(ray.axis + 2) % 3] = ray.slope2;
+  local.low = local.t_min = local.shift = 0;
+  local.high = local.t_max = infinity;
+  local.size = 1;
+  set_direction(local, surface, radius_of(surface), 32 * eps * radius_of(surface));
+  local.ignore_back_faces = false;
   return local;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "broadphase/query/posed_part.h"
+#include "broadphase/separation/containment.h"
 #include "broadphase/separation/triangle_pair.h"
 
 #include <encage/queries.h>
@@ -40,6 +41,9 @@ struct LocalRay {
 /// Maps a ray to a surface's frame; no value if it is proven to miss the ball around the surface.
 std::optional<LocalRay> local_ray(const PosedPart& part, const Surface& surface, const Ray& ray,
                                   const RayOptions& options) noexcept;
+
+/// The ray from a point in the surface's box, which is exact.
+LocalRay local_ray(const Surface& surface, const WindingRay& ray, const Eigen::Vector3d& point) noexcept;
 
 /// A triangle as a ray sees it: its corners sheared so that the ray runs along the first coordinate.
 struct SeenTriangle {

@@ -17,6 +17,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
@@ -123,6 +124,7 @@ HWY_INLINE unsigned meet_boxes(const GridRay& ray, const MeshNode& node, float l
 /// parameters at which it meets them.
 struct LeafHits {
   unsigned certain = 0, open = 0;
+  unsigned positive = 0;  ///< of those that are certain: with positive edge functions
   alignas(32) std::array<double, MeshTree::leaf_size> parameter;
 };
 
@@ -171,8 +173,10 @@ HWY_INLINE LeafHits meet_triangles(const LocalRay& ray, const LeafCorners& corne
     const auto within = hn::And(hn::Gt(parameter, hn::Add(low, margin)), hn::Lt(parameter, hn::Sub(high, margin)));
     const auto certain = hn::AndNot(gone, hn::And(hn::And(inside, steep), within));
     hn::StoreU(parameter, d, hits.parameter.data() + first);
-    std::array<std::uint8_t, 8> bits{}, left{};
+    std::array<std::uint8_t, 8> bits{}, left{}, sign{};
     hn::StoreMaskBits(d, certain, bits.data());
+    hn::StoreMaskBits(d, hn::Gt(determinant, hn::Zero(d)), sign.data());
+    hits.positive |= static_cast<unsigned>(sign[0]) << first;
     hn::StoreMaskBits(d, hn::Or(gone, certain), left.data());
     hits.certain |= static_cast<unsigned>(bits[0]) << first;
     hits.open |= (~static_cast<unsigned>(left[0]) & ((1U << hn::Lanes(d)) - 1)) << first;
@@ -180,8 +184,8 @@ HWY_INLINE LeafHits meet_triangles(const LocalRay& ray, const LeafCorners& corne
   return hits;
 }
 
-/// Calls sink.add() for the triangles that the ray meets, nodes in front first, until it returns false. What is beyond
-/// sink.limit() may be left out.
+/// Calls sink.take() for triangles that the ray meets or may meet, nodes in front first, until it returns false. What
+/// is beyond sink.limit() may be left out.
 template <class Sink>
 bool search(const Surface& surface, const LocalRay& ray, Sink& sink) {
   const MeshTreeView& tree = surface.tree;
@@ -222,14 +226,7 @@ bool search(const Surface& surface, const LocalRay& ray, Sink& sink) {
       const unsigned used = (1U << four.size()) - 1;
       for (unsigned left = (hits.certain | hits.open) & used; left != 0; left &= left - 1) {
         const auto i = static_cast<std::size_t>(__builtin_ctz(left));
-        double parameter = hits.parameter[i];
-        if ((hits.open >> i & 1) != 0) {
-          const auto& v = four[i].vertices;
-          const auto at = look_closely(ray, {surface.vertex(v[0]), surface.vertex(v[1]), surface.vertex(v[2])});
-          if (!at) continue;
-          parameter = *at;
-        }
-        if (!sink.add({ray.t(parameter), parameter, four[i].triangle})) return false;
+        if (!sink.take(four[i], hits, i)) return false;
       }
       limit = std::min(grid_ray.high, grid_ray.limit(sink.limit()));
     }
@@ -237,7 +234,29 @@ bool search(const Surface& surface, const LocalRay& ray, Sink& sink) {
   return true;
 }
 
-struct First {
+TriangleD corners_of(const Surface& surface, const LeafTriangle& triangle) {
+  const auto& v = triangle.vertices;
+  return {surface.vertex(v[0]), surface.vertex(v[1]), surface.vertex(v[2])};
+}
+
+/// Calls self().add() for hits.
+template <class Self>
+struct HitSink {
+  const Surface& surface;
+  const LocalRay& ray;
+
+  bool take(const LeafTriangle& triangle, const LeafHits& hits, std::size_t i) {
+    double parameter = hits.parameter[i];
+    if ((hits.open >> i & 1) != 0) {
+      const std::optional<double> at = look_closely(ray, corners_of(surface, triangle));
+      if (!at) return true;
+      parameter = *at;
+    }
+    return static_cast<Self&>(*this).add({ray.t(parameter), parameter, triangle.triangle});
+  }
+};
+
+struct First : HitSink<First> {
   FoundHit found;
 
   double limit() const { return found.parameter; }
@@ -247,7 +266,7 @@ struct First {
   }
 };
 
-struct Every {
+struct Every : HitSink<Every> {
   bool (*visit)(void* context, const FoundHit& hit);
   void* context;
 
@@ -255,10 +274,29 @@ struct Every {
   bool add(const FoundHit& hit) const { return visit(context, hit); }
 };
 
+/// Counts crossings.
+struct Winding {
+  const Surface& surface;
+  const WindingRay& ray;
+  const Eigen::Vector3d& point;
+  int sum = 0;
+
+  static double limit() { return infinity; }
+  bool take(const LeafTriangle& triangle, const LeafHits& hits, std::size_t i) {
+    if ((hits.certain >> i & 1) != 0) {
+      sum += (hits.positive >> i & 1) != 0 ? 1 : -1;
+      return true;
+    }
+    const std::optional<int> sign = crossing(ray, corners_of(surface, triangle), point);
+    sum += sign.value_or(0);
+    return sign.has_value();
+  }
+};
+
 }  // namespace
 
 bool find_first_hit(const Surface& surface, const LocalRay& ray, FoundHit& found) {
-  First first{found};
+  First first{{surface, ray}, found};
   search(surface, ray, first);
   if (!first.found.before(found)) return false;
   found = first.found;
@@ -267,8 +305,14 @@ bool find_first_hit(const Surface& surface, const LocalRay& ray, FoundHit& found
 
 bool find_every_hit(const Surface& surface, const LocalRay& ray, bool (*visit)(void* context, const FoundHit& hit),
                     void* context) {
-  Every every{visit, context};
+  Every every{{surface, ray}, visit, context};
   return search(surface, ray, every);
+}
+
+std::optional<int> count_crossings(const Surface& surface, const WindingRay& ray, const Eigen::Vector3d& point) {
+  Winding winding{surface, ray, point};
+  if (!search(surface, local_ray(surface, ray, point), winding)) return std::nullopt;
+  return winding.sum;
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -279,6 +323,7 @@ namespace encage {
 
 HWY_EXPORT(find_first_hit);
 HWY_EXPORT(find_every_hit);
+HWY_EXPORT(count_crossings);
 
 bool first_hit(const Surface& surface, const LocalRay& ray, FoundHit& found) noexcept {
   return HWY_DYNAMIC_DISPATCH(find_first_hit)(surface, ray, found);
@@ -287,6 +332,11 @@ bool first_hit(const Surface& surface, const LocalRay& ray, FoundHit& found) noe
 bool every_hit(const Surface& surface, const LocalRay& ray, bool (*visit)(void* context, const FoundHit& hit),
                void* context) {
   return HWY_DYNAMIC_DISPATCH(find_every_hit)(surface, ray, visit, context);
+}
+
+std::optional<int> winding_number(const Surface& surface, const WindingRay& ray,
+                                  const Eigen::Vector3d& point) noexcept {
+  return HWY_DYNAMIC_DISPATCH(count_crossings)(surface, ray, point);
 }
 
 }  // namespace encage

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "broadphase/query/local_ray.h"
+#include "broadphase/separation/containment.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace encage {
 
@@ -23,5 +25,9 @@ bool first_hit(const Surface& surface, const LocalRay& ray, FoundHit& found) noe
 /// Calls visit(context, hit) for all triangles that a ray meets until it returns false; returns false if it did.
 bool every_hit(const Surface& surface, const LocalRay& ray, bool (*visit)(void* context, const FoundHit& hit),
                void* context);
+
+/// Winding number of a closed surface about a point in its box, counted along a ray, exactly; no value if rounding
+/// leaves it undecided. The same as locate() counts, several boxes and triangles at a time.
+std::optional<int> winding_number(const Surface& surface, const WindingRay& ray, const Eigen::Vector3d& point) noexcept;
 
 }  // namespace encage
