@@ -14,6 +14,9 @@ bench::Command command();
 namespace encage::handmade {
 bench::Command command();
 }
+namespace encage::queries {
+bench::Command command();
+}
 namespace encage::scale {
 bench::Command command();
 }

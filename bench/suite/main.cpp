@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
   using namespace encage;
   return bench::run_commands(
       "encage-bench", "Answers one question with each subcommand, most about the run time, and checks the answers.",
-      {assets::command(), distances::command(), handmade::command(), scale::command(), threads::command(),
-       twins::command(), zoo::triplets_command()},
+      {assets::command(), distances::command(), handmade::command(), queries::command(), scale::command(),
+       threads::command(), twins::command(), zoo::triplets_command()},
       argc, argv);
 }

@@ -11,9 +11,20 @@ struct SurfacePoint {
   enum class Kind : std::uint8_t { vertex, edge, face };
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   double distance = 0;         ///< to the point asked for, >= 0
+  double lower = 0;            ///< no triangle is nearer; less than `distance` only beside thin triangles
   std::int32_t triangle = -1;  ///< one that has the feature
   Kind kind = Kind::face;
   std::int32_t corner = 0;  ///< of the triangle: the vertex, or the edge from it to the next one
+};
+
+/// Triangles with a normal (a product of two edges) no longer than its root times the longest edge squared are thin:
+/// their normal does not tell heights. Their nearest points are those of their edges, too far by their width at most.
+inline constexpr double thin_square = 1e-16;
+
+/// A triangle, and a bound from below of the squared distance to all, but for rounding.
+struct NearestTriangle {
+  std::int32_t triangle;
+  double squared;
 };
 
 /// The nearest point of a triangle (Ericson 2005, section 5.1.5), and the feature that it lies on.

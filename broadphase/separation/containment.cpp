@@ -32,11 +32,35 @@ bool may_meet(const WindingRay& ray, const MeshTreeView& tree, const MeshNode& n
   return enter <= leave;
 }
 
-/// Returns the sign with which the ray crosses the triangle: 0 if it misses, no value if rounding leaves it undecided.
-/// After shearing the ray onto its axis, and with m the largest coordinate of a corner relative to p, the two
-/// coordinates are at most 1.5 m and off by 3 eps m each. Hence an edge function is off by less than 32 eps m^2, and
-/// their mean of depths by less than 128 eps m^3.
-std::optional<int> crossing(const WindingRay& ray, const std::array<Vector, 3>& triangle, const Vector& p) {
+/// Winding number of the surface about `p`, counted along the ray.
+std::optional<int> winding(const Surface& surface, const WindingRay& ray, const Vector& p) {
+  int sum = 0;
+  const bool decided = visit_nodes(surface.tree, [&](const MeshNode& node, auto&& descend) {
+    for (int lane = 0; lane < MeshNode::width; ++lane) {
+      if (node.count(lane) == MeshNode::unused || !may_meet(ray, surface.tree, node, lane, p)) continue;
+      if (node.count(lane) == MeshNode::inner) {
+        descend(node.child(lane));
+        continue;
+      }
+      for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
+        const auto& v = surface.tree.leaves[i].vertices;
+        const std::optional<int> sign =
+            crossing(ray, {surface.vertex(v[0]), surface.vertex(v[1]), surface.vertex(v[2])}, p);
+        if (!sign) return false;
+        sum += *sign;
+      }
+    }
+    return true;
+  });
+  return decided ? std::optional(sum) : std::nullopt;
+}
+
+}  // namespace
+
+// After shearing the ray onto its axis, and with m the largest coordinate of a corner relative to p, the two
+// coordinates are at most 1.5 m and off by 3 eps m each. Hence an edge function is off by less than 32 eps m^2, and
+// their mean of depths by less than 128 eps m^3.
+std::optional<int> crossing(const WindingRay& ray, const std::array<Vector, 3>& triangle, const Vector& p) noexcept {
   std::array<double, 3> x, y, z;
   double m = 0;
   for (int k = 0; k < 3; ++k) {
@@ -72,31 +96,6 @@ std::optional<int> crossing(const WindingRay& ray, const std::array<Vector, 3>& 
   if (depth > depth_error) return positive ? 1 : -1;
   return std::nullopt;
 }
-
-/// Winding number of the surface about `p`, counted along the ray.
-std::optional<int> winding(const Surface& surface, const WindingRay& ray, const Vector& p) {
-  int sum = 0;
-  const bool decided = visit_nodes(surface.tree, [&](const MeshNode& node, auto&& descend) {
-    for (int lane = 0; lane < MeshNode::width; ++lane) {
-      if (node.count(lane) == MeshNode::unused || !may_meet(ray, surface.tree, node, lane, p)) continue;
-      if (node.count(lane) == MeshNode::inner) {
-        descend(node.child(lane));
-        continue;
-      }
-      for (std::int32_t i = node.child(lane); i < node.child(lane) + node.count(lane); ++i) {
-        const auto& v = surface.tree.leaves[i].vertices;
-        const std::optional<int> sign =
-            crossing(ray, {surface.vertex(v[0]), surface.vertex(v[1]), surface.vertex(v[2])}, p);
-        if (!sign) return false;
-        sum += *sign;
-      }
-    }
-    return true;
-  });
-  return decided ? std::optional(sum) : std::nullopt;
-}
-
-}  // namespace
 
 Side locate(const Surface& surface, const Vector& point) noexcept {
   for (int axis = 0; axis < 3; ++axis) {

@@ -4,6 +4,7 @@
 #include "broadphase/shape/shape.h"
 
 #include <array>
+#include <optional>
 
 namespace encage {
 
@@ -38,6 +39,11 @@ inline constexpr std::array<WindingRay, 6> rays = {{{0, 0.3719, 0.1427},
                                                     {0, -0.4271, 0.2239},
                                                     {1, 0.1193, 0.3847},
                                                     {2, 0.4651, -0.2683}}};
+
+/// Returns the sign with which a ray from `p` crosses a triangle: 0 if it misses, no value if rounding leaves it
+/// undecided.
+std::optional<int> crossing(const WindingRay& ray, const std::array<Eigen::Vector3d, 3>& triangle,
+                            const Eigen::Vector3d& p) noexcept;
 
 /// Locates a point with respect to a closed surface: it is inside where the winding number is not zero. The answer is
 /// exact for the point and the float32 triangles as given, and `unknown` if rounding leaves it undecided.

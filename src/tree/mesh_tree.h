@@ -5,7 +5,9 @@
 
 #include <encage/mesh.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -27,6 +29,11 @@ struct TreeGrid {
   }
   std::int16_t below(int axis, float x) const;  ///< the last grid coordinate not above x, which the grid covers
   std::int16_t above(int axis, float x) const;  ///< the first one not below x
+  /// Grid steps. Bounds how far at() is from its coordinate: two roundings in float.
+  double rounding() const {
+    const float far = std::max({std::abs(middle[0]), std::abs(middle[1]), std::abs(middle[2])});
+    return 0x1p-22 * (0x1p15 + static_cast<double>(far) / static_cast<double>(step));
+  }
 };
 
 /// Returns a grid that covers the vertices. The same vertices give the same grid on every machine.

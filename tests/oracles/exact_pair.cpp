@@ -118,6 +118,51 @@ int winding(const ExactBody::Data& body, const Point& p) {
   throw std::runtime_error("no ray without degeneracy");
 }
 
+bool in_range(const K::FT& t, const ExactRay& ray) {
+  return (std::isinf(ray.low) || t >= K::FT(ray.low)) && (std::isinf(ray.high) || t <= K::FT(ray.high));
+}
+
+/// For a line o + t d and the segment a b, which may be a point.
+bool ray_meets(const ExactRay& ray, const Point& o, const K::Vector_3& d, const Point& a, const Point& b) {
+  const K::Vector_3 u = b - a, w = a - o, c = CGAL::cross_product(u, d);
+  if (c != CGAL::NULL_VECTOR) {
+    if (w * c != 0) return false;
+    const K::FT s = -(CGAL::cross_product(w, d) * c) / c.squared_length();
+    const K::FT t = -(CGAL::cross_product(w, u) * c) / c.squared_length();
+    return s >= 0 && s <= 1 && in_range(t, ray);
+  }
+  if (CGAL::cross_product(w, d) != CGAL::NULL_VECTOR) return false;
+  const K::FT ta = (w * d) / d.squared_length(), tb = ((b - o) * d) / d.squared_length();
+  const K::FT low = std::min(ta, tb), high = std::max(ta, tb);
+  return (std::isinf(ray.low) || high >= K::FT(ray.low)) && (std::isinf(ray.high) || low <= K::FT(ray.high));
+}
+
+bool ray_meets(const ExactRay& ray, const Triangle& t) {
+  const Point o = exact(ray.origin);
+  const K::Vector_3 d(ray.direction.x(), ray.direction.y(), ray.direction.z());
+  const K::Vector_3 n = CGAL::cross_product(t[1] - t[0], t[2] - t[0]);
+  const K::FT rate = n * d;
+  if (rate != 0) {
+    const K::FT at = (n * (t[0] - o)) / rate;
+    if (!in_range(at, ray)) return false;
+    const Point p = o + at * d;
+    for (int k = 0; k < 3; ++k) {
+      if (CGAL::cross_product(t[(k + 1) % 3] - t[k], p - t[k]) * n < 0) return false;
+    }
+    return true;
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (ray_meets(ray, o, d, t[k], t[(k + 1) % 3])) return true;
+  }
+  if (n == CGAL::NULL_VECTOR || std::isinf(ray.low) || n * (t[0] - o) != 0) return false;
+  // In the plane, without an edge in its way: all of it is in the triangle, or nothing.
+  const Point p = o + K::FT(ray.low) * d;
+  for (int k = 0; k < 3; ++k) {
+    if (CGAL::cross_product(t[(k + 1) % 3] - t[k], p - t[k]) * n < 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 ExactBody::ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose,
@@ -147,6 +192,7 @@ ExactBody::ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, co
 }
 
 ExactBody::~ExactBody() = default;
+ExactBody::ExactBody(ExactBody&&) noexcept = default;
 
 bool surfaces_meet(const ExactBody& a, const ExactBody& b, double distance) {
   for (std::size_t i = 0; i < a.data().triangles.size(); ++i) {
@@ -161,6 +207,10 @@ bool surfaces_meet(const ExactBody& a, const ExactBody& b, double distance) {
 bool triangles_meet(const ExactBody& a, std::int64_t i, const ExactBody& b, std::int64_t j, double distance) {
   return !boxes_farther(a.data().boxes[i], b.data().boxes[j], distance) &&
          meet(a.data().triangles[i], b.data().triangles[j], distance);
+}
+
+bool ray_meets(const ExactBody& body, std::int64_t i, const ExactRay& ray) {
+  return ray_meets(ray, body.data().triangles[static_cast<std::size_t>(i)]);
 }
 
 bool all_beyond(const ExactBody& body, const Eigen::Vector3d& n, double offset, double distance) {

@@ -19,6 +19,7 @@ class ExactBody {
  public:
   ExactBody(const Eigen::Vector3d& origin, const TriangleMesh& mesh, const Eigen::Isometry3d& pose, double scale = 1);
   ~ExactBody();
+  ExactBody(ExactBody&&) noexcept;
 
   struct Data;
   const Data& data() const { return *data_; }
@@ -43,6 +44,15 @@ int winding_number(const ExactBody& body, const Eigen::Vector3d& point);
 /// For bodies whose surfaces do not meet: true if a vertex of some component of `guest` has a non-zero winding number
 /// in `host`, which is closed.
 bool holds_component(const ExactBody& host, const ExactBody& guest);
+
+/// The ray origin + t direction with t between `low` and `high`, which may be infinite; direction is not 0.
+struct ExactRay {
+  Eigen::Vector3d origin, direction;
+  double low, high;
+};
+
+/// True if a ray has a point in common with triangle i, which may be degenerate.
+bool ray_meets(const ExactBody& body, std::int64_t i, const ExactRay& ray);
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 /// True if the distance of two triangles is at most `distance` >= 0, exactly.
