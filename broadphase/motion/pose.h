@@ -17,13 +17,6 @@ std::string pose_defect(const Eigen::Isometry3d& pose);
 /// True if the pose mirrors, e.g. has a negative scale along one axis.
 bool is_mirrored(const Eigen::Isometry3d& pose) noexcept;
 
-/// Euclidean norm of all entries, off by some eps of it, also where squares would underflow or overflow.
-template <class Matrix>
-double safe_norm(const Matrix& m) noexcept {
-  const double largest = m.cwiseAbs().maxCoeff();
-  return largest > 0 ? largest * (m / largest).norm() : 0;
-}
-
 /// Upper bound of the spectral norm of R^T R - I, rounding included.
 double departure_from_rigid(const Eigen::Matrix3d& linear) noexcept;
 

@@ -16,6 +16,12 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 constexpr double most_parts = 1e6;
 
+/// The norm of the angular velocity, off by some eps of it, also where squares would underflow or overflow.
+double speed_of(const VelocityMotion& motion) {
+  const double largest = motion.angular_velocity.cwiseAbs().maxCoeff();
+  return largest > 0 ? largest * (motion.angular_velocity / largest).norm() : 0;
+}
+
 [[noreturn]] void refuse(const std::string& reason) { throw Error("split motion: " + reason); }
 
 /// Returns the number of parts.
@@ -33,7 +39,7 @@ int check(const VelocityMotion& motion, double largest_angle) {
     refuse("the largest angle " + number_text(largest_angle) + " is not between 0 and 3.1 radians");
   }
   // The excess keeps the parts' angles, rounded, at or below the largest.
-  const double angle = safe_norm(motion.angular_velocity) * motion.duration * (1 + 1e-13);
+  const double angle = speed_of(motion) * motion.duration * (1 + 1e-13);
   const double parts = std::ceil(angle / largest_angle);
   if (!(parts <= most_parts)) {
     refuse("the body turns by " + number_text(angle) + " radians, in more than a million parts of " +
@@ -47,7 +53,7 @@ Eigen::Isometry3d pose_at(const VelocityMotion& motion, double fraction) {
   const double time = fraction * motion.duration;
   Eigen::Isometry3d pose = motion.start;
   const Eigen::Vector3d arm = motion.scale * motion.pivot;
-  const double speed = safe_norm(motion.angular_velocity);
+  const double speed = speed_of(motion);
   if (const double angle = speed * time; angle > 0) {
     const SinCos half = sincos_turns(angle / (4 * pi));
     const Eigen::Vector3d axis = motion.angular_velocity / speed;

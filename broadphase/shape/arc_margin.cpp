@@ -31,6 +31,8 @@ double arc_margin(const Shape& shape, const Motion& motion, const Eigen::Vector3
   const double norm = (motion.end.linear() - motion.start.linear()).norm() + 2 * departure;
   const double sine = std::min(1.0, norm / std::sqrt(8.0) * (1 + 1e-12));
   const double cosine = std::sqrt((1 - sine) * (1 + sine));
+  // No rotation leads from one to the other.
+  if (!(departure <= 0.1) || is_mirrored(motion.start) || is_mirrored(motion.end)) return infinity;
   // 1 - cos = sin^2 / (1 + cos) avoids cancellation.
   return largest_distance(shape, pivot) * motion.scale * (sine * sine / (1 + cosine)) * (1 + 1e-8);
 }

@@ -79,6 +79,8 @@ class ENCAGE_HIDDEN World::State {
   const WorldOptions& options() const noexcept { return options_; }
   BodyCounts body_counts() const noexcept;
 
+  double pair_margin(BodyId id) const { return own_margin(body(id)); }
+
   const IdTable<ShapeId>& shape_ids() const noexcept { return shape_ids_; }
   const IdTable<BodyId>& body_ids() const noexcept { return body_ids_; }
   const IdTable<HalfSpaceId>& plane_ids() const noexcept { return plane_ids_; }

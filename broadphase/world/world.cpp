@@ -50,6 +50,7 @@ void World::set_user_data(BodyId body, std::uint64_t data) { state_->set_user_da
 
 const Motion& World::motion(BodyId body) const { return state_->body(body).motion; }
 double World::pose_deviation(BodyId body) const { return state_->body(body).deviation; }
+double World::pair_margin(BodyId body) const { return state_->pair_margin(body); }
 std::uint64_t World::user_data(BodyId body) const { return state_->body(body).user_data; }
 const BodyOptions& World::options(BodyId body) const { return state_->body(body).options; }
 const ShapePtr& World::shape(BodyId body) const { return shape(shape_id(body)); }

@@ -13,9 +13,9 @@ namespace ENCAGE_EXPORT encage {
 struct RigidPose {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   /// Without unit, rounded up: the matrix takes no point x farther than deviation * |x| from where the pose takes it
-  /// (Frobenius norm of the difference). x is in the body frame, at the size that the body has in the world. Between
-  /// two corrected poses, vertices are off by no more than the larger deviation says. correction_margin() makes a
-  /// margin of it.
+  /// (the spectral norm of the difference, within 15 %). x is in the body frame, at the size that the body has in the
+  /// world. Between two corrected poses, vertices are off by no more than the larger deviation says.
+  /// correction_margin() makes a margin of it.
   double deviation = 0;
 };
 

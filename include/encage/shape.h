@@ -65,7 +65,7 @@ struct CompoundPart {
 /// through all parts in order. A query costs as much as the parts near the other body cost. Throws Error naming the
 /// part: no shape; a pose that is not finite, beyond 1e150 or farther than 1e-12 from rigid; a scale not between 1e-50
 /// and 1e50; a part that reaches farther than 1e150. In nested compounds the same limits hold for the product of the
-/// poses and scales, which may be 1e-10 from rigid.
+/// poses and scales, which may be 1e-10 from rigid. nearest_rigid() and pose_from() make poses that are rigid enough.
 ShapePtr make_compound(std::span<const CompoundPart> parts);
 
 std::int64_t part_count(const Shape& shape) noexcept;  ///< 1 for a simple shape
@@ -87,13 +87,13 @@ std::int64_t level_triangles(const Shape& shape, int level) noexcept;
 /// Returns a bound, in world units and rounded up, of how far a point of the body leaves its straight path if the body
 /// turns about its axis at uniform angular velocity: r (1 - cos(angle/2)), where r is the largest distance of a vertex
 /// from the axis through `pivot` (body frame, before scaling), and `pivot` stays on its straight path. The bound is 0
-/// for a motion without rotation. Add both bodies' bounds to a margin. The body turns the short way (Motion); the bound
-/// means nothing if the motion is not usable.
+/// for a motion without rotation. Add both bodies' bounds to a margin. The body turns the short way (Motion). The
+/// bound is infinite if a pose is not finite, mirrors or is far from rigid.
 double arc_margin(const Shape& shape, const Motion& motion,
                   const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
 
 /// Returns a bound, in the body frame and rounded up, of the distance of a point of the body from `pivot` (before
-/// scaling). It is that of a ball about the local origin of each part, hence at most some twice the least bound.
+/// scaling). It comes from the balls about the local origins of the parts, so it is not the least bound.
 double radius(const Shape& shape, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
 
 /// Returns how far, in world units and rounded up, a correction of this RigidPose::deviation moves points of a body of
@@ -101,10 +101,9 @@ double radius(const Shape& shape, const Eigen::Vector3d& pivot = Eigen::Vector3d
 /// the matrix as it was given.
 double correction_margin(const Shape& shape, double deviation, double scale = 1) noexcept;
 
-/// Returns a world box that contains the body during the whole motion, rounding included, every vertex on its straight
-/// line; arc_margin() widens it for true rotation. It is not the smallest one,
-/// but the box of a cage with few vertices, or of boxes around parts of the surface. It is the whole space if the
-/// motion is not usable.
+/// Returns a world box that contains the body during the whole motion, rounding included, while every vertex moves on
+/// its straight line (add arc_margin() for true rotation). It is not the smallest one, but the box of a cage with few
+/// vertices, or of boxes around parts of the surface. It is the whole space if the motion is not usable.
 Eigen::AlignedBox3d world_box(const Shape& shape, const Motion& motion) noexcept;
 
 }  // namespace encage

@@ -28,7 +28,8 @@ struct VelocityMotion {
 /// part, points of the body leave their straight paths by at most arc_margin(shape, part, pivot). So queries about the
 /// parts, one after the other, with that bound in the margin or as ContactOptions::arc, miss nothing of what the body
 /// sweeps. Smaller angles give more parts and smaller bounds: r (1 - cos(angle / 2)) at a distance r from the axis.
-/// Poses are rounded: points are off by less than 1e-13 of their distance from the pivot and 1e-15 of the coordinates.
+/// Poses are rounded: points are off by less than 1e-13, and 1e-15 more for each radian, of their distance from the
+/// pivot, and by 1e-15 of the coordinates.
 ///
 /// Throws Error, which names value and reason, if the start pose is not usable, the scale is not between 1e-50 and
 /// 1e50, a number is not finite or out of its range, the body goes farther than 1e150, or the parts are more than a

@@ -131,8 +131,9 @@ struct WorldOptions {
   /// True if each body's arc_margin() about its BodyOptions::pivot is added to the margin of its pairs: candidates are
   /// then all pairs that may touch while the bodies really turn, at uniform angular velocity, from the start to the end
   /// pose. By default the world takes vertices to move on straight lines, so that a rod that turns by 90 degrees may
-  /// sweep over a post without being a candidate; where that matters, keep rotations small or set this. Two poses do
-  /// not tell turns of 180 degrees and more (Motion).
+  /// sweep over a post without being a candidate; where that matters, keep rotations small or set this, and pass the
+  /// sum of both arc_margin() to first_contact(), too, as ContactOptions::arc. Two poses do not tell turns of 180
+  /// degrees and more (Motion).
   bool arcs = false;
   /// Without unit, in [0, 0.1], usually 0 or 1e-4: the world corrects poses that are farther than 1e-9 from rigid by
   /// nearest_rigid(), if the deviation is at most this, and adds correction_margin() to the margin of the body's pairs.
@@ -229,6 +230,9 @@ class World {
   const Motion& motion(BodyId body) const;  ///< as corrected
   /// Returns RigidPose::deviation of the body's poses, the larger one of a motion; 0 if they have not been corrected.
   double pose_deviation(BodyId body) const;
+  /// Returns what the body adds to the margin of its pairs: the sum of BodyOptions::margin, its shape's margin, its
+  /// deformation, the correction of its poses, and with WorldOptions::arcs its arc_margin().
+  double pair_margin(BodyId body) const;
   std::uint64_t user_data(BodyId body) const;
   const BodyOptions& options(BodyId body) const;
   const ShapePtr& shape(BodyId body) const;

@@ -45,6 +45,27 @@ Point on_line(const Motion& motion, const Point& x, Real t) {
   return (1 - t) * position(motion.start) + t * position(motion.end);
 }
 
+TEST(ArcMargin, IsInfiniteWhereNoRotationLeads) {
+  const Body box(sample_shapes(0)[1]);
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Motion motion;
+  motion.end.linear() = turned(1, Vector::UnitX()).linear();
+  EXPECT_LT(arc_margin(*box.shape, motion), 1);
+  for (Pose* pose : {&motion.start, &motion.end}) {
+    const Pose before = *pose;
+    pose->linear().col(1) *= -1;
+    EXPECT_EQ(arc_margin(*box.shape, motion), std::numeric_limits<double>::infinity());
+    *pose = before;
+    pose->linear()(2, 0) = nan;
+    EXPECT_EQ(arc_margin(*box.shape, motion), std::numeric_limits<double>::infinity());
+    *pose = before;
+    pose->linear() *= 1.5;
+    EXPECT_EQ(arc_margin(*box.shape, motion), std::numeric_limits<double>::infinity());
+    *pose = before;
+  }
+  EXPECT_EQ(arc_margin(*box.shape, Motion{.start = turned(1, Vector::UnitX()), .end = turned(1, Vector::UnitX())}), 0);
+}
+
 TEST(ArcMargin, BoundsTheDepartureFromStraightPaths) {
   shapes::Random random(2);
   std::vector<Body> all;

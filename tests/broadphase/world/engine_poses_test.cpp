@@ -114,6 +114,25 @@ TEST(WorldPoses, AreRestoredWithTheirDeviation) {
   EXPECT_EQ(other.user_data(body), 77U);
 }
 
+TEST(WorldPoses, CountInTheMarginsOfPairs) {
+  shapes::Random random(5);
+  World world({.arcs = true, .pose_tolerance = 1e-4});
+  const ShapePtr box = sample_shape("box");
+  const ShapeId shape = world.add_shape(box, 0.25);
+  const BodyId body = world.add_body(shape, shift(0), {.margin = 0.5, .scale = 3, .pivot = Vector(2, 0, 0)});
+  EXPECT_EQ(world.pair_margin(body), 0.75);
+  world.set_deformation(body, 0.125);
+  EXPECT_EQ(world.pair_margin(body), 0.875);
+  world.set_pose(body, float_pose(random, Vector::Zero()));
+  const double correction = correction_margin(*box, world.pose_deviation(body), 3);
+  EXPECT_GT(correction, 0);
+  EXPECT_NEAR(world.pair_margin(body), 0.875 + correction, 1e-15);
+  world.set_motion(body, {shift(0), float_pose(random, Vector::Zero())});
+  const double arc = arc_margin(*box, world.motion(body), Vector(2, 0, 0));
+  EXPECT_GT(arc, 0.1);
+  EXPECT_NEAR(world.pair_margin(body), 0.875 + correction_margin(*box, world.pose_deviation(body), 3) + arc, 1e-12);
+}
+
 // ---- Arcs ----------------------------------------------------------------------
 
 /// Least distance of the post's axis from the rod as it really turns about its pivot, at sampled times.
