@@ -2,6 +2,7 @@
 #include "broadphase/contact/nearest_point.h"
 #include "broadphase/query/near_parts.h"
 #include "broadphase/query/point_side.h"
+#include "broadphase/separation/containment.h"
 
 #include <encage/fine_lease.h>
 #include <encage/queries.h>

@@ -27,14 +27,15 @@ struct Simplex {
 };
 
 Vector nearest_on_segment(Simplex& s) {
-  const Vector a = s.points[0], u = s.points[1] - a;
+  Vector a = s.points[0];
+  const Vector u = s.points[1] - a;
   const double length = u.squaredNorm(), along = -a.dot(u);
   if (!(along > 0)) {
     s.keep({0});
     return a;
   }
   if (along >= length) {
-    const Vector b = s.points[1];
+    Vector b = s.points[1];
     s.keep({1});
     return b;
   }

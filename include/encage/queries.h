@@ -18,7 +18,7 @@
 // Every query takes a body at the start of its motion: Motion::resting(pose, scale) for one that rests. Queries are
 // about the fine mesh. They are re-entrant and never throw. They never allocate, except that a ShapeCache may have to
 // read a fine mesh. The same calls give the same bits on every instruction set. A call about many rays or points gives
-// what single calls give, in less time, and keeps a mesh of a ShapeCache in memory until it returns.
+// what single calls give, in less time, and keeps the mesh of a simple shape of a ShapeCache until it returns.
 //
 // Let S be the sum of |translation|, of the scaled body's reach from the origin of its frame, and of the norm of the
 // point, or of the ray's origin. Positions are rounded by at most 1e-13 S: the *rounding* below.
