@@ -23,6 +23,9 @@ struct Verdict {
   bool separated = false;  ///< proven farther apart than the margin, rounding included
   Stage stage = Stage::box;
   std::int16_t level = -1;  ///< for Stage::cage: index of the cage level, 0 the finest
+  /// "Maybe", because the query reached the end of its budget of work (PairOptions::most_steps): very many triangles
+  /// stay very near each other.
+  bool exhausted = false;
 };
 
 /// Decides when cages are tested.
@@ -43,6 +46,9 @@ struct PairOptions {
   int finest_cage = 0;                                  ///< finest cage level tested; 0 is the finest of all
   int coarsest_cage = std::numeric_limits<int>::max();  ///< the coarsest level tested
   bool fine = true;                                     ///< tests the fine meshes
+  /// Budget of work for each pair of simple shapes: a step is about the test of a box against eight, some 50 to 100 ns.
+  /// The number of steps that a query takes depends on its arguments alone.
+  std::int64_t most_steps = 1 << 20;
 };
 
 /// Proves that two bodies stay farther apart than the margin while every vertex moves on its straight line, or answers
