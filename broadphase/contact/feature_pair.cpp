@@ -121,10 +121,11 @@ class FeatureSearch {
   }
 
   /// Advances from proof to proof.
-  std::optional<double> run() const {
+  std::optional<double> run(std::int64_t& spans) const {
     int now = 0;
     double factor = 8;
     for (int step = 0; step < most_steps && !(time(now) > required_.latest); ++step) {
+      ++spans;
       int next = advance(now);
       if (next == now) break;
       if (step >= 2 && next < cells) {
@@ -212,7 +213,7 @@ class FeatureSearch {
   double rounding_ = 0;
 };
 
-std::optional<double> first(DifferenceSweep& sweep, const Requirement& required) {
+std::optional<double> first(DifferenceSweep& sweep, const Requirement& required, std::int64_t& spans) {
   for (int k = 0; k < 3; ++k) sweep.size[k] = sweep.start[k].abs() + sweep.end[k].abs();
   const Lanes size = sweep.size[0] + sweep.size[1] + sweep.size[2];
   // Neither NaN nor a value that could overflow to it may get further: a minimum might lose it.
@@ -220,12 +221,13 @@ std::optional<double> first(DifferenceSweep& sweep, const Requirement& required)
   if (!(required.distance >= 0 && required.arc >= 0)) return 0.0;
   const FeatureSearch search(sweep, required, rounding_unit * size.maxCoeff());
   if (search.quickly_free()) return std::nullopt;
-  return search.run();
+  return search.run(spans);
 }
 
 }  // namespace
 
-std::optional<double> first_vertex_face(const MovingPoints& points, const Requirement& required) noexcept {
+std::optional<double> first_vertex_face(const MovingPoints& points, const Requirement& required,
+                                        std::int64_t& spans) noexcept {
   DifferenceSweep sweep;
   const auto& p = points.start;
   const auto& q = points.end;
@@ -233,10 +235,11 @@ std::optional<double> first_vertex_face(const MovingPoints& points, const Requir
     sweep.start[k] = Lanes(p[1][k], p[2][k], p[3][k], p[3][k]) - p[0][k];
     sweep.end[k] = Lanes(q[1][k], q[2][k], q[3][k], q[3][k]) - q[0][k];
   }
-  return first(sweep, required);
+  return first(sweep, required, spans);
 }
 
-std::optional<double> first_edge_edge(const MovingPoints& points, const Requirement& required) noexcept {
+std::optional<double> first_edge_edge(const MovingPoints& points, const Requirement& required,
+                                      std::int64_t& spans) noexcept {
   DifferenceSweep sweep;
   const auto& p = points.start;
   const auto& q = points.end;
@@ -244,7 +247,17 @@ std::optional<double> first_edge_edge(const MovingPoints& points, const Requirem
     sweep.start[k] = Lanes(p[0][k], p[1][k], p[1][k], p[0][k]) - Lanes(p[2][k], p[2][k], p[3][k], p[3][k]);
     sweep.end[k] = Lanes(q[0][k], q[1][k], q[1][k], q[0][k]) - Lanes(q[2][k], q[2][k], q[3][k], q[3][k]);
   }
-  return first(sweep, required);
+  return first(sweep, required, spans);
+}
+
+std::optional<double> first_vertex_face(const MovingPoints& points, const Requirement& required) noexcept {
+  std::int64_t spans = 0;
+  return first_vertex_face(points, required, spans);
+}
+
+std::optional<double> first_edge_edge(const MovingPoints& points, const Requirement& required) noexcept {
+  std::int64_t spans = 0;
+  return first_edge_edge(points, required, spans);
 }
 
 std::optional<double> vertex_face_time(const MovingPoints& points, const ContactOptions& options) noexcept {

@@ -87,8 +87,8 @@ void search_with_memory(ContactScratch& search, const ContactQuery& query, doubl
   const double ahead = query.approach;
   const auto nothing = [&] { return memory.vertices_a.empty() && memory.vertices_b.empty() && memory.edges.empty(); };
   const ContactBody &a = search.a, &b = search.b;
-  const bool same = memory.shape_a == a.shape && memory.shape_b == b.shape && memory.scale_a == a.scale &&
-                    memory.scale_b == b.scale;
+  const bool same =
+      memory.shape_a == a.shape && memory.shape_b == b.shape && memory.scale_a == a.scale && memory.scale_b == b.scale;
   if (memory.reach >= 0 && same) {
     const double approach = drift(search, memory.relative) + ahead;
     if (approach + std::max(0.0, query.limit - memory.limit) <= memory.reach) {

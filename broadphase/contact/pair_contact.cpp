@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/contact/feature_pair.h"
 #include "broadphase/distance/triangle_distance.h"
-#include "broadphase/separation/plane_check.h"
 #include "broadphase/separation/surface_pair.h"
 #include "broadphase/shape/compound.h"
 #include "src/limits.h"
@@ -27,10 +26,6 @@ Vector at(const MovingPoints& points, std::size_t i, double t) { return (1 - t) 
 void require_usable(const Motion& motion, const char* body) {
   if (!is_usable(motion)) throw Error(std::string("first contact: ") + body + ": " + motion_defect(motion));
 }
-
-auto order(const Contact& c) { return std::tie(c.time, c.kind, c.vertices); }
-
-constexpr double tick = 0x1p-22;  // times are multiples of it
 
 /// Barycentric coordinates of the point of the triangle closest to p, up to rounding.
 Vector weights_in_triangle(const Vector& p, const std::array<Vector, 3>& corner) {
@@ -103,6 +98,11 @@ Meeting meet_edges(const MovingPoints& points, double t) {
           (1 - s) * moved(0) + s * moved(1) - ((1 - r) * moved(2) + r * moved(3)), (p1 - p0).cross(q1 - q0)};
 }
 
+Meeting meet(ContactKind kind, const MovingPoints& points, double t) {
+  return kind == ContactKind::edge_edge ? meet_edges(points, t)
+                                        : meet_vertex_face(points, t, kind == ContactKind::vertex_face);
+}
+
 TriangleD at(const MovingTriangle& triangle, double t) {
   return {triangle.corner(0, t), triangle.corner(1, t), triangle.corner(2, t)};
 }
@@ -165,6 +165,14 @@ struct PairContact::Triangles {
   const MovingTriangle& b;
 };
 
+/// A triangle during the step, in the common frame, the numbers of its vertices, and the features that it owns as in
+/// MeshArrays::owned.
+struct PairContact::Placed {
+  MovingTriangle triangle;
+  std::array<std::int32_t, 3> vertices;
+  unsigned owned;
+};
+
 struct PairContact::Found {
   double time;
   ContactKind kind;
@@ -202,43 +210,47 @@ PairContact::PairContact(const Shape& a, const Motion& motion_a, const Shape& b,
   if (!b.is_compound()) b_.turn_to(0);
 }
 
-void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
+void PairContact::turn_to(std::int32_t triangle_a, std::int32_t triangle_b) {
   const bool turned_a = a_.turn_to(triangle_a), turned_b = b_.turn_to(triangle_b);
-  if (turned_a || turned_b || !placed_) {
-    placed_ = true;
-    const LocalFrame &local_a = a_.part->frame, &local_b = b_.part->frame;
-    const PairMotion pair = pair_motion(local_a, a_.motion, local_b, b_.motion);
-    a_.ends = pair.a;
-    b_.ends = pair.b;
-    required_ = required_distance(local_a, a_.motion, local_b, b_.motion, options_.margin + a_.slack + b_.slack);
-    rounding_ = required_distance(local_a, a_.motion, local_b, b_.motion, 0);
-  }
-  const auto moving = [](const Side& side, std::int32_t triangle) {
-    const auto& t = side.part->fine.mesh.triangles[triangle];
-    const LeafTriangle leaf = {
-        {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])}, triangle};
-    std::array<std::int32_t, 3> numbers = leaf.vertices;
-    for (std::int32_t& v : numbers) v += side.first_vertex;
-    return std::pair(numbers, moving_triangle({side.part->fine, side.motion.scale}, side.ends, leaf));
-  };
-  triangle_a -= a_.first_triangle;
-  triangle_b -= b_.first_triangle;
-  const auto [va, ta] = moving(a_, triangle_a);
-  const auto [vb, tb] = moving(b_, triangle_b);
-  const unsigned owned_a = a_.part->fine.owned[triangle_a], owned_b = b_.part->fine.owned[triangle_b];
-  const Triangles triangles{ta, tb};
+  if (!turned_a && !turned_b && placed_) return;
+  placed_ = true;
+  const LocalFrame &local_a = a_.part->frame, &local_b = b_.part->frame;
+  const PairMotion pair = pair_motion(local_a, a_.motion, local_b, b_.motion);
+  a_.ends = pair.a;
+  b_.ends = pair.b;
+  required_ = required_distance(local_a, a_.motion, local_b, b_.motion, options_.margin + a_.slack + b_.slack);
+  rounding_ = required_distance(local_a, a_.motion, local_b, b_.motion, 0);
+}
+
+PairContact::Placed PairContact::placed(const Side& side, std::int32_t triangle) {
+  triangle -= side.first_triangle;
+  const auto& t = side.part->fine.mesh.triangles[triangle];
+  const LeafTriangle leaf = {
+      {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])}, triangle};
+  std::array<std::int32_t, 3> numbers = leaf.vertices;
+  for (std::int32_t& v : numbers) v += side.first_vertex;
+  return {moving_triangle({side.part->fine, side.motion.scale}, side.ends, leaf), numbers,
+          side.part->fine.owned[triangle]};
+}
+
+template <class Visit>
+void PairContact::for_each_feature_pair(const Placed& a, const Placed& b, Visit&& visit) {
+  const auto& [ta, va, owned_a] = a;
+  const auto& [tb, vb, owned_b] = b;
   for (unsigned i = 0; i < 3; ++i) {
     if ((owned_a >> i & 1U) != 0) {
-      consider(ContactKind::vertex_face,
-               {{ta.start[i], tb.start[0], tb.start[1], tb.start[2]}, {ta.end[i], tb.end[0], tb.end[1], tb.end[2]}},
-               sorted(va[i], vb), triangles);
+      visit(ContactKind::vertex_face,
+            MovingPoints{{ta.start[i], tb.start[0], tb.start[1], tb.start[2]},
+                         {ta.end[i], tb.end[0], tb.end[1], tb.end[2]}},
+            sorted(va[i], vb));
     }
     if ((owned_b >> i & 1U) != 0) {
       auto ids = sorted(vb[i], va);
       std::rotate(ids.begin(), ids.begin() + 1, ids.end());
-      consider(ContactKind::face_vertex,
-               {{tb.start[i], ta.start[0], ta.start[1], ta.start[2]}, {tb.end[i], ta.end[0], ta.end[1], ta.end[2]}},
-               ids, triangles);
+      visit(ContactKind::face_vertex,
+            MovingPoints{{tb.start[i], ta.start[0], ta.start[1], ta.start[2]},
+                         {tb.end[i], ta.end[0], ta.end[1], ta.end[2]}},
+            ids);
     }
   }
   for (unsigned i = 0; i < 3; ++i) {
@@ -247,30 +259,44 @@ void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
     for (unsigned j = 0; j < 3; ++j) {
       if ((owned_b >> (3 + j) & 1U) == 0) continue;
       const unsigned j1 = (j + 1) % 3;
-      consider(ContactKind::edge_edge,
-               {{ta.start[i], ta.start[i1], tb.start[j], tb.start[j1]}, {ta.end[i], ta.end[i1], tb.end[j], tb.end[j1]}},
-               {std::min(va[i], va[i1]), std::max(va[i], va[i1]), std::min(vb[j], vb[j1]), std::max(vb[j], vb[j1])},
-               triangles);
+      visit(ContactKind::edge_edge,
+            MovingPoints{{ta.start[i], ta.start[i1], tb.start[j], tb.start[j1]},
+                         {ta.end[i], ta.end[i1], tb.end[j], tb.end[j1]}},
+            std::array<std::int32_t, 4>{std::min(va[i], va[i1]), std::max(va[i], va[i1]), std::min(vb[j], vb[j1]),
+                                        std::max(vb[j], vb[j1])});
     }
   }
-  note_crossing(triangles, va, vb);
+}
+
+void PairContact::test(std::int32_t triangle_a, std::int32_t triangle_b) {
+  turn_to(triangle_a, triangle_b);
+  steps_ += 16;
+  const Placed a = placed(a_, triangle_a), b = placed(b_, triangle_b);
+  const Triangles triangles{a.triangle, b.triangle};
+  for_each_feature_pair(a, b,
+                        [&](ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices) {
+                          consider(kind, points, vertices, triangles);
+                        });
+  note_crossing(triangles, a.vertices, b.vertices);
 }
 
 void PairContact::consider(ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices,
                            const Triangles& triangles) noexcept {
   ++feature_tests_;
   const Requirement required = {required_, options_.arc, latest_};
-  const auto time =
-      kind == ContactKind::edge_edge ? first_edge_edge(points, required) : first_vertex_face(points, required);
+  std::int64_t spans = 0;
+  const auto time = kind == ContactKind::edge_edge ? first_edge_edge(points, required, spans)
+                                                   : first_vertex_face(points, required, spans);
+  steps_ += 1 + 16 * spans;
   if (!time) return;
-  const Meeting meeting = kind == ContactKind::edge_edge
-                              ? meet_edges(points, *time)
-                              : meet_vertex_face(points, *time, kind == ContactKind::vertex_face);
+  const Meeting meeting = meet(kind, points, *time);
   add({*time, kind, vertices, meeting, {at(triangles.a, *time), at(triangles.b, *time)}});
 }
 
 void PairContact::add(const Found& found) noexcept {
   const auto& [time, kind, vertices, meeting, corners] = found;
+  ++contacts_;
+  steps_ += 8;
   const Vector apart = meeting.on_a - meeting.on_b;
   // Across a margin the closest points define the direction; in contact their difference is mere rounding.
   const double distance = options_.margin > 0 ? std::max(apart.norm(), 16 * rounding_) : 0;
@@ -304,7 +330,7 @@ void PairContact::add(const Found& found) noexcept {
     std::move_backward(best_.begin(), best_.end() - shift, best_.end());
     std::fill(best_.begin(), best_.begin() + shift, std::nullopt);
     first_.emplace().time = time;
-    latest_ = std::min(options_.latest, time + window * tick);
+    latest_ = std::min(options_.latest, ignores_ties_ ? time - tick : time + window * tick);
   }
   auto& slot = best_[static_cast<std::size_t>((time - first_->time) / tick)];
   if (!slot || better(ranked, *slot)) slot = ranked;
@@ -316,6 +342,7 @@ void PairContact::add(const Found& found) noexcept {
   first_ = best->contact;
   first_->time = earliest;
   first_->overlapping = overlapping_;
+  first_->exhausted = exhausted_;
 }
 
 /// Two triangles that cross touch at the start, although their features may be apart: a corner of one is beyond the
@@ -340,87 +367,45 @@ void PairContact::note_crossing(const Triangles& triangles, const std::array<std
        {a, b}});
 }
 
-namespace {
-
-/// Passes the pairs of nearby triangles of two parts to the narrow phase.
-void contact_of_parts(const MovingPart& a, const MovingPart& b, const ContactOptions& options, PairContact& narrow) {
-  const FineLease lease_a(*a.shape), lease_b(*b.shape);
-  const PairMotion motion = pair_motion(a.shape->frame, a.motion, b.shape->frame, b.motion);
-  // Every contact of the narrow phase must pass the culling, whichever way the pair was found, so rounding is included
-  // twice.
-  const double margin = options.margin + a.slack + b.slack;
-  const double required =
-      2 * (required_distance(a.shape->frame, a.motion, b.shape->frame, b.motion, margin) + options.arc);
-  const ScaledSurface fine_a(a.shape->fine, a.motion.scale), fine_b(b.shape->fine, b.motion.scale);
-  struct Numbered {
-    PairContact& narrow;
-    std::int32_t first_a, first_b;
-  } numbered{narrow, a.first_triangle, b.first_triangle};
-  visit_intervals(fine_a, fine_b, motion, required, [&](double t0, double t1) {
-    if (t0 > narrow.latest()) return false;
-    return visit_near_triangles(
-        fine_a, fine_b, motion.part(t0, t1), required, Effort::quick,
-        [](void* context, std::int32_t triangle_a, std::int32_t triangle_b) {
-          const auto& [contact, first_a, first_b] = *static_cast<const Numbered*>(context);
-          contact.test(first_a + triangle_a, first_b + triangle_b);
-          return true;
-        },
-        &numbered);
-  });
+/// Leaves out contacts that are not earlier than the first one. There must be one.
+void PairContact::ignore_ties() noexcept {
+  ignores_ties_ = exhausted_ = true;
+  first_->exhausted = true;
+  latest_ = std::min(options_.latest, first_->time - tick);
 }
 
-void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const ContactOptions& options,
-                        std::optional<Contact>& first) {
-  const double margin = options.margin + a.slack;
-  if (a.shape->on_demand && PlaneCheck(*a.shape, a.motion, plane, margin, options.arc).beyond_throughout()) return;
-  const FineLease lease(*a.shape);
-  const PlaneCheck check(*a.shape, a.shape->fine, a.motion, plane, margin, options.arc);
-  if (check.beyond_throughout()) return;
-  bool overlapping = first && first->overlapping;
-  check.visit_reaching([&](std::int32_t vertex, double time) {
-    if (time > (first ? first->time : options.latest)) return;
-    const Vector x = a.motion.scale * (a.shape->frame.origin + a.shape->fine.vertex(vertex));
-    const Vector start = a.motion.start * x;
-    // Positions, products and sums round by a few units of what they are made of.
-    const double size = x.lpNorm<1>() + a.motion.start.translation().lpNorm<1>() + std::abs(plane.offset);
-    overlapping |= time == 0 && plane.normal.dot(start) - plane.offset < -0x1p-46 * size - a.slack;
-    Contact contact;
-    contact.time = time;
-    contact.kind = ContactKind::vertex_plane;
-    contact.vertices = {a.first_vertex + vertex, -1, -1, -1};
-    if (first && order(*first) <= order(contact)) return;
-    contact.point = (1 - time) * start + time * (a.motion.end * x);
-    contact.normal = plane.normal;
-    first = contact;
-  });
-  if (overlapping) first->overlapping = true;
-}
-
-}  // namespace
-
-std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                                     const ContactOptions& options) {
-  PairContact narrow(a, motion_a, b, motion_b, options);
-  // Parts that boxes separate by this distance cannot be in contact for the narrow phase: required_distance() is below
-  // it for all poses.
-  const double size = size_in_world(a, motion_a) + size_in_world(b, motion_b);
-  const double margin = 2 * ((1 + 1e-6) * options.margin + options.arc) + 1e-6 * size;
-  for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
-    contact_of_parts(part_a, part_b, options, narrow);
-    return true;
-  });
-  return narrow.first();
-}
-
-std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const HalfSpace& plane,
-                                     const ContactOptions& options) {
-  require_usable(motion_a, "body a");
-  std::optional<Contact> first;
-  for_each_part(a, motion_a, [&](const MovingPart& part) {
-    contact_with_plane(part, plane, options, first);
-    return true;
-  });
-  return first;
+/// Makes `time`, a multiple of 2^-22, the time of first contact if it is not later than that. If there is no contact
+/// yet, it becomes that of the nearest features of two triangles.
+void PairContact::suppose(std::int32_t triangle_a, std::int32_t triangle_b, double time) {
+  exhausted_ = true;
+  if (!first_) {
+    turn_to(triangle_a, triangle_b);
+    Placed a = placed(a_, triangle_a), b = placed(b_, triangle_b);
+    a.owned = b.owned = ~0U;
+    const CornerPair corners = {at(a.triangle, time), at(b.triangle, time)};
+    double least = std::numeric_limits<double>::infinity();
+    std::optional<Found> nearest;
+    for_each_feature_pair(
+        a, b, [&](ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices) {
+          const Meeting meeting = meet(kind, points, time);
+          const double squared = (meeting.on_a - meeting.on_b).squaredNorm();
+          if (nearest && !(squared < least)) return;
+          least = squared;
+          nearest = {time, kind, vertices, meeting, corners};
+        });
+    add(*nearest);
+  } else if (time < first_->time) {
+    // The best features so far remain so.
+    const auto best = std::find_if(best_.begin(), best_.end(), [&](const std::optional<Ranked>& ranked) {
+      return ranked && ranked->contact.kind == first_->kind && ranked->contact.vertices == first_->vertices;
+    });
+    Ranked kept = **best;
+    kept.contact.time = time;
+    best_.fill(std::nullopt);
+    best_[0] = kept;
+    first_->time = time;
+  }
+  ignore_ties();
 }
 
 }  // namespace encage

@@ -127,17 +127,20 @@ HWY_INLINE Vec distances(const BoxDistance::Side& side, const MeshNode& node, st
 /// Depth first, near boxes before far ones. Of a pair of boxes the larger one is opened.
 class NearLeafTraversal {
  public:
-  NearLeafTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit)
-      : trees_{&a, &b}, sides_{&bounds.a, &bounds.b}, limit_(limit) {}
+  NearLeafTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
+                    std::int64_t& steps)
+      : trees_{&a, &b}, sides_{&bounds.a, &bounds.b}, limit_(limit), steps_(steps) {}
 
-  void run(VisitNearLeaves visit, void* context) {
+  double run(VisitNearLeaves visit, void* context) {
     // The traversal starts with all of b against the boxes of a's root, and opens b's root next.
     constexpr Ref root_a{0, 0, 0}, root_b{0, 0, std::numeric_limits<float>::infinity()};
     open(0, {{root_a, root_b}, 0},
          Covered(*sides_[0], Box::around(trees_[1]->nodes[0]), Box::around(trees_[0]->nodes[0]).centre));
     while (size_ > 0) {
+      if (steps_ < 0) return least_bound();
       const Entry entry = stack_[--size_];
       if (!(entry.bound < limit_)) continue;
+      --steps_;
       const auto& [a, b] = entry.refs;
       const int count_a = MeshNode::count_of(a.link), count_b = MeshNode::count_of(b.link);
       if (count_a > 0 && count_b > 0) {
@@ -148,6 +151,7 @@ class NearLeafTraversal {
       const std::size_t opened = opens_b ? 1 : 0;
       open(opened, entry, Covered(*sides_[opened], box(1 - opened, entry), box(opened, entry).centre));
     }
+    return std::numeric_limits<double>::infinity();
   }
 
  private:
@@ -161,6 +165,13 @@ class NearLeafTraversal {
     double bound;
   };
   static constexpr std::size_t stack_size = MeshNode::width * (2 * MeshTree::max_depth + 4);
+
+  /// Returns the least bound on the stack that is below the limit, or infinity.
+  double least_bound() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < size_; ++i) least = stack_[i].bound < least ? stack_[i].bound : least;
+    return least < limit_ ? least : std::numeric_limits<double>::infinity();
+  }
 
   Box box(std::size_t tree, const Entry& entry) const {
     const std::uint32_t slot = entry.refs[tree].slot;
@@ -197,15 +208,16 @@ class NearLeafTraversal {
   std::array<const MeshTreeView*, 2> trees_;       // a, b
   std::array<const BoxDistance::Side*, 2> sides_;  // indexed by the opened tree
   double limit_;
+  std::int64_t& steps_;
   std::size_t size_ = 0;
   std::array<Entry, stack_size> stack_;
 };
 
 }  // namespace
 
-void visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
-                       VisitNearLeaves visit, void* context) {
-  NearLeafTraversal(a, b, bounds, limit).run(visit, context);
+double visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
+                         VisitNearLeaves visit, void* context, std::int64_t& steps) {
+  return NearLeafTraversal(a, b, bounds, limit, steps).run(visit, context);
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -286,9 +298,11 @@ BoxDistance::BoxDistance(const AffineMap& map_a, const GateBody& body_a, const A
 
 HWY_EXPORT(visit_near_leaves);
 
-void visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
-                       VisitNearLeaves visit, void* context) {
-  HWY_DYNAMIC_DISPATCH(visit_near_leaves)(a, b, bounds, limit, visit, context);
+double visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
+                         VisitNearLeaves visit, void* context, std::int64_t* steps) {
+  std::int64_t unlimited = std::numeric_limits<std::int64_t>::max();
+  return HWY_DYNAMIC_DISPATCH(visit_near_leaves)(a, b, bounds, limit, visit, context,
+                                                 steps == nullptr ? unlimited : *steps);
 }
 
 }  // namespace encage

@@ -41,8 +41,10 @@ using VisitNearLeaves = double (*)(void* context, std::int32_t first_a, std::int
                                    std::int32_t count_b);
 
 /// Visits pairs of leaves, near ones first, except those whose distance is at least `limit` or the last visitor's
-/// result. The visits are the same on every instruction set.
-void visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
-                       VisitNearLeaves visit, void* context);
+/// result. The visits are the same on every instruction set. `steps`, if given, loses one for each pair of boxes that
+/// is looked at, and a visitor may take more from it; where it is negative the traversal stops. Returns a lower bound
+/// of the distances of pairs nearer than the limit that were not visited for this reason; infinity if there are none.
+double visit_near_leaves(const MeshTreeView& a, const MeshTreeView& b, const BoxDistance& bounds, double limit,
+                         VisitNearLeaves visit, void* context, std::int64_t* steps = nullptr);
 
 }  // namespace encage

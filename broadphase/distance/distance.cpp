@@ -51,7 +51,7 @@ double error_in_world(const SimpleShape& a, const SimpleShape& b, const RestingP
 
 /// cage_distance_bound() of simple shapes.
 double cage_bound(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair,
-                  const CageDistanceOptions& options) {
+                  const CageDistanceOptions& options, std::int64_t& steps) {
   double bound = ball_bound(a, b, pair, error_in_world(a, b, pair) + pair.error);
   if (a.cages.empty() || b.cages.empty() || bound >= options.enough) return bound;
   const Containment containment(a, b, pair);
@@ -61,8 +61,8 @@ double cage_bound(const SimpleShape& a, const SimpleShape& b, const RestingPair&
   for (int k = std::min(options.coarsest_cage, last); k >= std::clamp(options.finest_cage, 0, last); --k) {
     const ScaledSurface cage_a(a.cages[std::min(k, count_a - 1)], pair.scale_a);
     const ScaledSurface cage_b(b.cages[std::min(k, count_b - 1)], pair.scale_b);
-    const SurfaceDistance found =
-        surface_distance(cage_a, cage_b, pair, {.limit = options.enough, .tolerance = options.tolerance});
+    const SurfaceDistance found = surface_distance(
+        cage_a, cage_b, pair, {.limit = options.enough, .tolerance = options.tolerance, .steps = &steps});
     // Containment is decided only if the surfaces are farther apart than the error of a located point.
     if (found.lower > std::max(bound, pair.located()) && containment.excluded(cage_a, cage_b)) bound = found.lower;
     if (bound >= options.enough) break;
@@ -100,7 +100,7 @@ void look_inside(const SimpleShape& a, const SimpleShape& b, const RestingPair& 
   if (in_b == Interior::enclosed && of_b < 0) of_a = held_vertex(fine_b, fine_a, pair.a_to_b(), unknown);
   if (of_a >= 0 || of_b >= 0) {
     const Eigen::Vector3d point = of_a >= 0 ? pair.a(fine_a.vertex(of_a)) : pair.b(fine_b.vertex(of_b));
-    result = {0, 0, point, point, -1, -1};
+    result = {0, 0, point, point};
     if (of_a >= 0) result.triangle_a = triangle_of(a.fine, of_a);
     if (of_b >= 0) result.triangle_b = triangle_of(b.fine, of_b);
   } else if (unknown) {
@@ -111,7 +111,8 @@ void look_inside(const SimpleShape& a, const SimpleShape& b, const RestingPair& 
 /// distance() of simple shapes whose positions are off by `moved` at most. Points remain unset where the distance is
 /// not below the limit.
 DistanceResult simple_distance(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b,
-                               const Motion& motion_b, double moved, const DistanceOptions& options) {
+                               const Motion& motion_b, double moved, const DistanceOptions& options,
+                               std::int64_t& steps) {
   const RestingPair pair(a.frame, motion_a, b.frame, motion_b);
   const double slack = error_in_world(a, b, pair) + moved;
   const double balls = ball_bound(a, b, pair, slack + pair.error);
@@ -119,17 +120,21 @@ DistanceResult simple_distance(const SimpleShape& a, const Motion& motion_a, con
   FineLease lease_a, lease_b;
   if (!a.has_fine() || !b.has_fine() || !lease_a.take(a) || !lease_b.take(b)) {
     const CageDistanceOptions finest{.enough = options.limit + moved, .tolerance = options.tolerance, .finest_cage = 0};
-    return {.lower = std::max(0.0, cage_bound(a, b, pair, finest) - moved)};
+    return {.lower = std::max(0.0, cage_bound(a, b, pair, finest, steps) - moved)};
   }
-  const SurfaceDistance found = surface_distance(
-      {a.fine, pair.scale_a}, {b.fine, pair.scale_b}, pair,
-      {.limit = options.limit + slack, .tolerance = options.tolerance, .vertex_error = slack, .hint = options.hint});
+  const SurfaceDistance found = surface_distance({a.fine, pair.scale_a}, {b.fine, pair.scale_b}, pair,
+                                                 {.limit = options.limit + slack,
+                                                  .tolerance = options.tolerance,
+                                                  .vertex_error = slack,
+                                                  .hint = options.hint,
+                                                  .steps = &steps});
   DistanceResult result{std::max(0.0, found.lower - slack),
                         found.crossing ? 0 : found.upper + slack,
                         found.point_a,
                         found.point_b,
                         found.triangle_a,
-                        found.triangle_b};
+                        found.triangle_b,
+                        found.exhausted};
   if (found.lower > pair.located() + slack) {
     look_inside(a, b, pair, result);
   } else {
@@ -147,14 +152,18 @@ Motion at_start(const Motion& motion) { return Motion::resting(motion.start, mot
 double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                            const CageDistanceOptions& options) noexcept {
   const Motion at_a = at_start(motion_a), at_b = at_start(motion_b);
-  if (!is_usable(at_a) || !is_usable(at_b) || !(options.enough > 0) || !(options.tolerance >= 0)) return 0;
+  if (!is_usable(at_a) || !is_usable(at_b) || !(options.enough > 0) || !(options.tolerance >= 0) ||
+      options.most_steps < 0) {
+    return 0;
+  }
   double bound = options.enough;
+  std::int64_t steps = options.most_steps;
   for_each_part_pair(a, at_a, b, at_b, options.enough, [&](const MovingPart& part_a, const MovingPart& part_b) {
     const double moved = part_a.slack + part_b.slack;
     CageDistanceOptions asked = options;
     asked.enough = bound + moved;
     const RestingPair pair(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
-    bound = std::min(bound, std::max(0.0, cage_bound(*part_a.shape, *part_b.shape, pair, asked) - moved));
+    bound = std::min(bound, std::max(0.0, cage_bound(*part_a.shape, *part_b.shape, pair, asked, steps) - moved));
     return bound > 0;
   });
   return bound;
@@ -163,9 +172,13 @@ double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& 
 DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                         const DistanceOptions& options) noexcept {
   const Motion at_a = at_start(motion_a), at_b = at_start(motion_b);
-  if (!is_usable(at_a) || !is_usable(at_b) || !(options.limit > 0) || !(options.tolerance >= 0)) return {};
+  if (!is_usable(at_a) || !is_usable(at_b) || !(options.limit > 0) || !(options.tolerance >= 0) ||
+      options.most_steps < 0) {
+    return {};
+  }
   DistanceResult nearest;
   nearest.lower = options.limit;
+  std::int64_t steps = options.most_steps;
   for_each_part_pair(a, at_a, b, at_b, options.limit, [&](const MovingPart& part_a, const MovingPart& part_b) {
     DistanceOptions asked = options;
     asked.limit = std::min(options.limit, nearest.upper);
@@ -173,13 +186,15 @@ DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, 
     asked.hint = options.hint.a < 0 || options.hint.b < 0
                      ? TrianglePair{-1, -1}
                      : TrianglePair{options.hint.a - part_a.first_triangle, options.hint.b - part_b.first_triangle};
-    DistanceResult found =
-        simple_distance(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion, part_a.slack + part_b.slack, asked);
+    DistanceResult found = simple_distance(*part_a.shape, part_a.motion, *part_b.shape, part_b.motion,
+                                           part_a.slack + part_b.slack, asked, steps);
     if (found.triangle_a >= 0) found.triangle_a += part_a.first_triangle;
     if (found.triangle_b >= 0) found.triangle_b += part_b.first_triangle;
     const double lower = std::min(nearest.lower, found.lower);
+    const bool exhausted = nearest.exhausted || found.exhausted;
     if (found.upper < nearest.upper) nearest = found;
     nearest.lower = lower;
+    nearest.exhausted = exhausted && nearest.upper > 0;
     return nearest.upper > 0;
   });
   if (nearest.lower >= options.limit) return {.lower = options.limit};

@@ -19,6 +19,10 @@ struct RestingPair {
   /// Takes the bodies at the start of their motions.
   RestingPair(const LocalFrame& local_a, const Motion& motion_a, const LocalFrame& local_b,
               const Motion& motion_b) noexcept;
+  /// Takes maps to any common frame, which include the scales; the origin is not known.
+  RestingPair(const AffineMap& map_a, double size_a, const AffineMap& map_b, double size_b,
+              double error_of_both) noexcept
+      : a(map_a), b(map_b), scale_a(size_a), scale_b(size_b), origin(0, 0, 0), error(error_of_both) {}
 
   /// Bounds the error of a vertex that is mapped from one local frame to the other.
   double located() const { return 2 * error; }

@@ -11,10 +11,12 @@ namespace encage {
 namespace {
 
 class DistanceSearch {
+  static constexpr std::int64_t steps_of_row = 1, steps_of_triangles = 24;
+
  public:
   DistanceSearch(const ScaledSurface& a, const ScaledSurface& b, const RestingPair& pair,
                  const SurfaceDistanceOptions& options)
-      : a_(a), b_(b), pair_(pair), options_(options) {}
+      : a_(a), b_(b), pair_(pair), options_(options), tolerance_(options.tolerance) {}
 
   SurfaceDistance run() {
     if (in_range(a_, options_.hint.a) && in_range(b_, options_.hint.b)) {
@@ -23,13 +25,21 @@ class DistanceSearch {
     }
     const BoxDistance bounds(pair_.a, {a_->radius, a_->tree.grid, a_.scale()}, pair_.b,
                              {b_->radius, b_->tree.grid, b_.scale()}, pair_.error);
-    visit_near_leaves(
-        a_->tree, b_->tree, bounds, limit(),
-        [](void* search, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
-          return static_cast<DistanceSearch*>(search)->leaves(first_a, count_a, first_b, count_b);
-        },
-        this);
-    best_.lower = limit() < 0 ? 0 : std::min(lower_, limit());
+    std::int64_t unlimited = std::numeric_limits<std::int64_t>::max();
+    std::int64_t& steps = options_.steps == nullptr ? unlimited : *options_.steps;
+    // Where very many pairs are equally near, coarser bounds are found sooner: some steps are kept for them.
+    constexpr double coarse[] = {0x1p-12, 0x1p-6};
+    const std::int64_t kept = steps / 16;
+    // Far from each other bodies' boxes drown in rounding, and all leaves have to be seen.
+    const bool far = steps < std::int64_t{1} << 60 && pair_.b.offset.norm() > 0x1p36 * (a_.radius() + b_.radius());
+    best_.lower = search(bounds, (far ? 4 * steps : steps) - 2 * kept, steps);
+    best_.exhausted = left_ < 0 && limit() > 0;
+    for (const double coarser : coarse) {
+      if (left_ >= 0 || limit() < 0 || coarser < options_.tolerance) continue;
+      tolerance_ = coarser;
+      best_.lower = std::max(best_.lower, search(bounds, kept, steps));
+    }
+    if (limit() < 0) best_.lower = 0;
     return best_;
   }
 
@@ -41,7 +51,22 @@ class DistanceSearch {
   /// Returns the distance from which on pairs need not be tested; minus infinity if the surfaces touch within rounding.
   double limit() const {
     if (best_.crossing || best_.upper <= 4 * pair_.error) return -std::numeric_limits<double>::infinity();
-    return std::min(options_.limit, best_.upper / (1 + options_.tolerance));
+    // What is equally near cannot improve the result: this leaves out what lanes_not_apart() finds as near, but for its
+    // own rounding.
+    return std::min(options_.limit, (best_.upper - 2.0625 * pair_.error) / (1 + tolerance_));
+  }
+
+  /// Returns a lower bound of the distance, or of the limit. Takes `most` steps at most.
+  double search(const BoxDistance& bounds, std::int64_t most, std::int64_t& steps) {
+    left_ = most;
+    const double unvisited = visit_near_leaves(
+        a_->tree, b_->tree, bounds, limit(),
+        [](void* search, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
+          return static_cast<DistanceSearch*>(search)->leaves(first_a, count_a, first_b, count_b);
+        },
+        this, &left_);
+    steps -= most - left_;
+    return std::max(0.0, std::min({lower_, limit(), unvisited}));
   }
 
   static TriangleD corners(const ScaledSurface& surface, const AffineMap& map, std::int32_t triangle) {
@@ -80,6 +105,7 @@ class DistanceSearch {
 
   double leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
     const LeafLanes lanes_a = lanes(a_, pair_.a, first_a, count_a), lanes_b = lanes(b_, pair_.b, first_b, count_b);
+    left_ -= steps_of_row * count_a;
     for (std::int32_t i = 0; i < count_a; ++i) {
       std::uint32_t left = (1U << count_b) - 1;
       double asked = std::numeric_limits<double>::infinity();
@@ -91,6 +117,7 @@ class DistanceSearch {
           if (left == 0) break;
         }
         const int j = __builtin_ctz(left);
+        left_ -= steps_of_triangles;
         look_at(lanes_a.triangle(i, 1).start, lanes_b.triangle(j, 1).start, a_->tree.leaves[first_a + i].triangle,
                 b_->tree.leaves[first_b + j].triangle);
       }
@@ -102,6 +129,8 @@ class DistanceSearch {
   const ScaledSurface& b_;
   const RestingPair& pair_;
   const SurfaceDistanceOptions& options_;
+  double tolerance_;
+  std::int64_t left_ = 0;                                   // of the steps of this search
   double lower_ = std::numeric_limits<double>::infinity();  // over all pairs tested
   SurfaceDistance best_;
 };

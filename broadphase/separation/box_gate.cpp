@@ -109,6 +109,42 @@ HWY_INLINE SweptSlab sweep_slab(const BoxGate::Side& side, const Box& box) {
   return swept;
 }
 
+/// The interval that the moving box covers along an axis no longer than 1, widened by the gap.
+struct SweptAxis {
+  float half_direction[3];  ///< in the resting frame, halved
+  float low, high;
+};
+
+/// Takes the direction from a point at rest to the middle of the moving box's way: where boxes are small beside the
+/// gap, it tells apart what their own axes do not.
+template <int kEnds>
+HWY_INLINE SweptAxis sweep_towards(const BoxGate::Side& side, const Box& box, const float* from, const Swept& swept) {
+  SweptAxis axis;
+  float direction[3], squared = 0;
+  for (int i = 0; i < 3; ++i) {
+    direction[i] = 0.5F * (swept.low[i] + swept.high[i]) - from[i];
+    squared += direction[i] * direction[i];
+  }
+  const float scale = squared > 1e-20F ? (1 - 0x1p-20F) / std::sqrt(squared) : 0;
+  for (int i = 0; i < 3; ++i) {
+    direction[i] *= scale;
+    axis.half_direction[i] = 0.5F * direction[i];
+  }
+  for (int end = 0; end < kEnds; ++end) {
+    float centre = 0, reach = side.gap[0];
+    for (int i = 0; i < 3; ++i) {
+      const BoxGate::Column& column = side.map[end][i];
+      const float seen = column[0] * direction[0] + column[1] * direction[1] + column[2] * direction[2];
+      centre += direction[i] * side.offset[end][i];
+      centre += seen * box.centre[i];
+      reach += std::abs(seen) * box.half[i];
+    }
+    axis.low = end == 0 ? centre - reach : std::min(axis.low, centre - reach);
+    axis.high = end == 0 ? centre + reach : std::max(axis.high, centre + reach);
+  }
+  return axis;
+}
+
 /// Lanes whose interval [centre - reach, centre + reach] lies beyond [low, high].
 HWY_INLINE hn::Mask<Lanes> beyond(Vec centre, Vec reach, Vec low, Vec high) {
   return hn::Or(hn::Gt(hn::Sub(centre, reach), high), hn::Lt(hn::Add(centre, reach), low));
@@ -167,6 +203,14 @@ class LaneTest {
     return hn::Or(result, beyond_slab(boxes, slab_));
   }
 
+  /// Boxes that the direction from `point` to the moving box proves apart.
+  HWY_INLINE hn::Mask<Lanes> apart_towards(const Boxes& boxes, const Box& moving, const float* point) const {
+    const Lanes d;
+    const SweptAxis axis = sweep_towards<kEnds>(side_, moving, point, swept_);
+    return beyond(dot(boxes.sum, axis.half_direction), boxes.reach_along(axis.half_direction), hn::Set(d, axis.low),
+                  hn::Set(d, axis.high));
+  }
+
  private:
   const BoxGate::Side& side_;
   SweptSlab slab_;
@@ -177,17 +221,19 @@ class LaneTest {
 template <int kEnds>
 class LeafPairTraversal {
  public:
-  LeafPairTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate)
-      : trees_{&a, &b}, sides_{&gate.a, &gate.b} {}
+  LeafPairTraversal(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, std::int64_t& steps)
+      : trees_{&a, &b}, sides_{&gate.a, &gate.b}, steps_(steps) {}
 
   bool run(VisitLeaves visit, void* context) {
     // The traversal starts with all of b against the boxes of a's root, and opens b's root next.
-    open(0, 0, {0, 0, std::numeric_limits<float>::infinity()}, Box::around(trees_[1]->nodes[0]));
+    open(0, 0, 0, {0, 0, std::numeric_limits<float>::infinity()}, Box::around(trees_[1]->nodes[0]));
     while (size_ > 0) {
+      if (steps_ < 0) return false;
       // Several tests run together, because they do not wait for each other's results.
       const std::size_t taken = std::min(size_, size_ > crowded ? std::size_t{1} : batch);
       std::array<Task, batch> tasks;
       std::size_t count = 0;
+      steps_ -= static_cast<std::int64_t>(taken);
       for (std::size_t i = 0; i < taken; ++i) {
         --size_;
         const std::uint32_t link_a = stack_[0].link[size_], link_b = stack_[1].link[size_];
@@ -202,12 +248,13 @@ class LeafPairTraversal {
         const Column& other = stack_[1 - opened];
         tasks[count++] = {opened,
                           MeshNode::child_of(stack_[opened].link[size_]),
+                          stack_[opened].slot[size_],
                           {other.link[size_], other.slot[size_], other.size[size_]}};
       }
       while (count > 0) {
         --count;
-        const auto& [opened, node, other] = tasks[count];
-        open(opened, node, other,
+        const auto& [opened, node, slot, other] = tasks[count];
+        open(opened, node, slot, other,
              Box(trees_[1 - opened]->nodes[other.slot / MeshNode::width], other.slot % MeshNode::width));
       }
     }
@@ -225,6 +272,7 @@ class LeafPairTraversal {
   struct Task {
     std::size_t opened;
     std::int32_t node;
+    std::uint32_t slot;  ///< of the box around the node
     Ref other;
   };
   static constexpr std::size_t batch = 4;
@@ -239,7 +287,7 @@ class LeafPairTraversal {
 
   /// Tests the boxes of a node of tree `resting` against a box of the other tree, and pushes those that are not proven
   /// apart.
-  HWY_INLINE void open(std::size_t resting, std::int32_t index, Ref other, const Box& moving) {
+  HWY_INLINE void open(std::size_t resting, std::int32_t index, std::uint32_t own_slot, Ref other, const Box& moving) {
     const Lanes d;
     const Numbers du;
     const BoxGate::Side& side = *sides_[resting];
@@ -253,6 +301,10 @@ class LeafPairTraversal {
         apart = hn::Or(apart, test.apart_along(axis, lower, upper));
       });
       apart = test.apart(boxes, apart);
+      if (side.far) {
+        const Box own(trees_[resting]->nodes[own_slot / MeshNode::width], own_slot % MeshNode::width);
+        apart = hn::Or(apart, test.apart_towards(boxes, moving, own.centre));
+      }
       const auto link = hn::LoadU(du, node.link + first);
       const auto used = hn::Lt(link, hn::Set(du, MeshNode::unused_link));
       const auto near = side.works ? hn::AndNot(hn::RebindMask(du, apart), used) : used;
@@ -271,6 +323,7 @@ class LeafPairTraversal {
 
   std::array<const MeshTreeView*, 2> trees_;   // a, b
   std::array<const BoxGate::Side*, 2> sides_;  // indexed by the tree at rest
+  std::int64_t& steps_;
   std::size_t size_ = 0;
   std::array<Column, 2> stack_;
 };
@@ -278,9 +331,9 @@ class LeafPairTraversal {
 }  // namespace
 
 bool visit_leaf_pairs(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, VisitLeaves visit,
-                      void* context) {
-  return gate.ends == 1 ? LeafPairTraversal<1>(a, b, gate).run(visit, context)
-                        : LeafPairTraversal<2>(a, b, gate).run(visit, context);
+                      void* context, std::int64_t& steps) {
+  return gate.ends == 1 ? LeafPairTraversal<1>(a, b, gate, steps).run(visit, context)
+                        : LeafPairTraversal<2>(a, b, gate, steps).run(visit, context);
 }
 
 }  // namespace encage::HWY_NAMESPACE
@@ -318,7 +371,8 @@ void set_column(std::array<BoxGate::Side::PerAxis, 3>& axes, std::array<BoxGate:
 /// Takes the maps to the common frame at both ends of the interval: `maps` of the body at rest, `others` of the moving
 /// one.
 BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& body,
-                        const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance) {
+                        const std::array<AffineMap, 2>& others, const GateBody& other, int ends, double distance,
+                        bool directions) {
   BoxGate::Side side{};
   // Local coordinates are middle + step * grid coordinate.
   const double step = body.scale * static_cast<double>(body.grid.step);
@@ -373,6 +427,7 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
   if (!side.works) return side;
   const double grid_gap = gap / step * (1 + 0x1p-22);
   side.gap.fill(std::nextafter(static_cast<float>(grid_gap), std::numeric_limits<float>::infinity()));
+  side.far = directions && grid_gap > 256;
   side.step = static_cast<float>(step);
   side.normal_scale = static_cast<float>(1 / (ratio * ratio));
   side.moving_slab_gap = static_cast<float>(grid_gap * longest_normal * stretch / ratio * (1 + 0x1p-20));
@@ -384,16 +439,18 @@ BoxGate::Side make_side(const std::array<AffineMap, 2>& maps, const GateBody& bo
 
 }  // namespace
 
-BoxGate::BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance)
-    : a(make_side(motion.a, body_a, motion.b, body_b, motion.at_rest ? 1 : 2, distance)),
-      b(make_side(motion.b, body_b, motion.a, body_a, motion.at_rest ? 1 : 2, distance)),
+BoxGate::BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance,
+                 bool directions)
+    : a(make_side(motion.a, body_a, motion.b, body_b, motion.at_rest ? 1 : 2, distance, directions)),
+      b(make_side(motion.b, body_b, motion.a, body_a, motion.at_rest ? 1 : 2, distance, directions)),
       ends(motion.at_rest ? 1 : 2) {}
 
 HWY_EXPORT(visit_leaf_pairs);
 
 bool visit_leaf_pairs(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, VisitLeaves visit,
-                      void* context) {
-  return HWY_DYNAMIC_DISPATCH(visit_leaf_pairs)(a, b, gate, visit, context);
+                      void* context, std::int64_t* steps) {
+  std::int64_t unlimited = std::numeric_limits<std::int64_t>::max();
+  return HWY_DYNAMIC_DISPATCH(visit_leaf_pairs)(a, b, gate, visit, context, steps == nullptr ? unlimited : *steps);
 }
 
 }  // namespace encage

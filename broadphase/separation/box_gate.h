@@ -41,14 +41,17 @@ struct BoxGate {
     float step = 0;                            ///< length of a grid step in the common frame
     float normal_scale = 0;                    ///< scales a mapped normal so that heights stay the same
     float moving_slab_gap = 0;                 ///< distance along the moving slab's normal that proves separation
+    bool far = false;                          ///< tests the direction between boxes, too
     bool works = false;                        ///< if false, nothing is proven
   };
   alignas(64) Side a;  ///< a at rest, b moving
   alignas(64) Side b;  ///< b at rest, a moving
   int ends = 2;        ///< 1 if both are at rest
 
-  /// Builds a gate that proves distances of more than `distance` in the common frame.
-  BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance);
+  /// Builds a gate that proves distances of more than `distance` in the common frame. With `directions` it also tests
+  /// the direction between boxes where that distance is large beside many of them, and their own axes prove little.
+  BoxGate(const PairMotion& motion, const GateBody& body_a, const GateBody& body_b, double distance,
+          bool directions = false);
 };
 
 /// Called with ranges of leaf triangles whose boxes are not proven apart; returns false to stop.
@@ -56,8 +59,9 @@ using VisitLeaves = bool (*)(void* context, std::int32_t first_a, std::int32_t c
                              std::int32_t count_b);
 
 /// Visits every pair of leaves that the gate does not prove apart, once, in an order that depends on the arguments
-/// alone, not on the instruction set. Returns false if a visitor stopped it.
+/// alone, not on the instruction set. Returns false if a visitor stopped it. `steps`, if given, loses one for each pair
+/// of boxes that is looked at, and a visitor may take more from it; where it is negative the traversal stops, too.
 bool visit_leaf_pairs(const MeshTreeView& a, const MeshTreeView& b, const BoxGate& gate, VisitLeaves visit,
-                      void* context);
+                      void* context, std::int64_t* steps = nullptr);
 
 }  // namespace encage

@@ -28,7 +28,8 @@ bool body_boxes_apart(const Shape& a, const Motion& motion_a, const Shape& b, co
 /// containment is tested at the start of the step only.
 class PartPair {
  public:
-  PartPair(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b, double margin)
+  PartPair(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b, double margin,
+           std::int64_t steps)
       : a_(a),
         b_(b),
         scale_a_(motion_a.scale),
@@ -37,21 +38,24 @@ class PartPair {
         b_to_a_(relative_frame(a.frame, {motion_a.start, scale_a_}, b.frame, {motion_b.start, scale_b_})),
         a_to_b_(relative_frame(b.frame, {motion_b.start, scale_b_}, a.frame, {motion_a.start, scale_a_})),
         distance_(required_distance(a.frame, motion_a, b.frame, motion_b, margin)),
-        fine_distance_(distance_ + a.error_in_world(scale_a_) + b.error_in_world(scale_b_)) {}
+        fine_distance_(distance_ + a.error_in_world(scale_a_) + b.error_in_world(scale_b_)),
+        steps_(steps) {}
 
   // Containment in an unknown interior is tested last, since it may need a fine mesh.
   bool cages_apart(const Surface& of_a, const Surface& of_b) {
     const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
-    return surfaces_apart(cage_a, cage_b, motion_, distance_) && all_outside(cage_b, cage_a, a_to_b_) &&
+    return surfaces_apart(cage_a, cage_b, motion_, distance_, &steps_) && all_outside(cage_b, cage_a, a_to_b_) &&
            all_outside(cage_a, cage_b, b_to_a_) && !hold(unknown_in_cage(a_), unknown_in_cage(b_));
   }
+
+  bool exhausted() const { return steps_ < 0; }
 
   bool fine_apart() {
     if (!take_fine()) return false;
     const Interior in_a = interior(a_), in_b = interior(b_);
     const ScaledSurface fine_a(a_.fine, scale_a_), fine_b(b_.fine, scale_b_);
     return !hold(in_a == Interior::unknown, in_b == Interior::unknown) &&
-           surfaces_apart(fine_a, fine_b, motion_, fine_distance_) &&
+           surfaces_apart(fine_a, fine_b, motion_, fine_distance_, &steps_) &&
            (in_b != Interior::enclosed || all_outside(fine_b, fine_a, a_to_b_)) &&
            (in_a != Interior::enclosed || all_outside(fine_a, fine_b, b_to_a_));
   }
@@ -73,12 +77,13 @@ class PartPair {
   PairMotion motion_;
   AffineMap b_to_a_, a_to_b_;
   double distance_, fine_distance_;
+  std::int64_t steps_;
 };
 
 /// Runs the stages after the boxes for simple shapes.
 Verdict simple_separated(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b, const Motion& motion_b,
                          const PairOptions& options) {
-  PartPair pair(a, motion_a, b, motion_b, options.margin);
+  PartPair pair(a, motion_a, b, motion_b, options.margin, options.most_steps);
   Verdict last;
   const bool fine = options.fine && a.has_fine() && b.has_fine();
   const bool cages = options.cages == CageUse::always ||
@@ -87,14 +92,15 @@ Verdict simple_separated(const SimpleShape& a, const Motion& motion_a, const Sim
     const int count_a = level_count(a), count_b = level_count(b);
     const int coarsest = std::min(options.coarsest_cage, std::max(count_a, count_b) - 1);
     for (int k = coarsest; k >= std::max(options.finest_cage, 0); --k) {
-      last = {false, Stage::cage, static_cast<std::int16_t>(k)};
       if (pair.cages_apart(a.cages[std::min(k, count_a - 1)], b.cages[std::min(k, count_b - 1)])) {
         return {true, Stage::cage, static_cast<std::int16_t>(k)};
       }
+      last = {.stage = Stage::cage, .level = static_cast<std::int16_t>(k), .exhausted = pair.exhausted()};
     }
   }
   if (!fine) return last;
-  return {pair.fine_apart(), Stage::fine, -1};
+  const bool apart = pair.fine_apart();
+  return {.separated = apart, .stage = Stage::fine, .exhausted = !apart && pair.exhausted()};
 }
 
 Verdict simple_separated(const MovingPart& a, const HalfSpace& plane, double margin) {

@@ -19,12 +19,13 @@ bool balls_apart(const ScaledSurface& a, const ScaledSurface& b, const PairMotio
 
 /// True only if every triangle of `a` is proven to stay farther than `distance` > 0 from every triangle of `b`, both as
 /// computed in the common frame. `distance` has to cover rounding: required_distance(). Stops at the first pair without
-/// proof.
-bool surfaces_apart(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance) noexcept;
+/// proof, and where `steps`, if given, is negative: work takes from it as in visit_near_triangles().
+bool surfaces_apart(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance,
+                    std::int64_t* steps = nullptr) noexcept;
 
 /// Amount of work spent on separating two moving triangles.
 enum class Effort {
-  quick,  ///< lanes_not_apart()
+  quick,  ///< lanes_not_apart(); at large distances boxes are tested along the direction between them, too
   full,   ///< moving_triangles_apart()
 };
 
@@ -32,9 +33,10 @@ enum class Effort {
 using VisitTriangles = bool (*)(void* context, std::int32_t triangle_a, std::int32_t triangle_b);
 
 /// Visits the pairs of triangles that are not proven to stay farther apart than `distance`, in a fixed order. Returns
-/// false if a visitor stopped it.
+/// false if a visitor stopped it. `steps`, if given, loses about as many as tests of one box against eight take the
+/// same time; a visitor may take more from it. Where it is negative the visits stop, too.
 bool visit_near_triangles(const ScaledSurface& a, const ScaledSurface& b, const PairMotion& motion, double distance,
-                          Effort effort, VisitTriangles visit, void* context) noexcept;
+                          Effort effort, VisitTriangles visit, void* context, std::int64_t* steps = nullptr) noexcept;
 
 /// Divides a step into intervals that are short enough for fixed axes to work well, leaves out those during which the
 /// balls about the local origins are proven farther apart than `distance`, and calls visit(t0, t1) -> bool for the

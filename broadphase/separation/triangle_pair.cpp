@@ -84,7 +84,8 @@ bool any_axis(const TriangleD& a, const TriangleD& b, Separates&& separates) {
 
 constexpr int longest_bisection = 8;  // halvings of a motion
 
-bool apart_in(const MovingTriangle& a, const MovingTriangle& b, double distance, int depth) {
+bool apart_in(const MovingTriangle& a, const MovingTriangle& b, double distance, int depth, int& pieces) {
+  ++pieces;
   const Piece piece{a, b, distance};
   const TriangleD middle_a = middle(a), middle_b = middle(b);
   const auto separates = [&](const Vector& n) { return piece.separated_by(n); };
@@ -92,8 +93,8 @@ bool apart_in(const MovingTriangle& a, const MovingTriangle& b, double distance,
   if (any_axis(middle_a, middle_b, separates)) return true;
   // Triangles that are too near in the middle cannot be separated on shorter intervals either.
   if (depth == longest_bisection || !triangles_apart(middle_a, middle_b, distance)) return false;
-  return apart_in({a.start, middle_a}, {b.start, middle_b}, distance, depth + 1) &&
-         apart_in({middle_a, a.end}, {middle_b, b.end}, distance, depth + 1);
+  return apart_in({a.start, middle_a}, {b.start, middle_b}, distance, depth + 1, pieces) &&
+         apart_in({middle_a, a.end}, {middle_b, b.end}, distance, depth + 1, pieces);
 }
 
 }  // namespace
@@ -103,7 +104,12 @@ bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) no
 }
 
 bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept {
-  return apart_in(a, b, distance, 0);
+  int pieces = 0;
+  return moving_triangles_apart(a, b, distance, pieces);
+}
+
+bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance, int& pieces) noexcept {
+  return apart_in(a, b, distance, 0, pieces);
 }
 
 }  // namespace encage

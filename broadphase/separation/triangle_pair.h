@@ -29,5 +29,7 @@ bool triangles_apart(const TriangleD& a, const TriangleD& b, double distance) no
 /// shorter than 2^-8 and searches, for each piece, for one axis that separates both its ends, hence all times between.
 /// `distance` covers rounding as above.
 bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance) noexcept;
+/// The same. Adds the number of pieces of time that were tested.
+bool moving_triangles_apart(const MovingTriangle& a, const MovingTriangle& b, double distance, int& pieces) noexcept;
 
 }  // namespace encage

@@ -16,7 +16,7 @@ namespace {
 
 bool same(const PairOptions& a, const PairOptions& b) {
   return a.margin == b.margin && a.cages == b.cages && a.finest_cage == b.finest_cage &&
-         a.coarsest_cage == b.coarsest_cage && a.fine == b.fine;
+         a.coarsest_cage == b.coarsest_cage && a.fine == b.fine && a.most_steps == b.most_steps;
 }
 
 /// Unlocks a world at the end of a scope.

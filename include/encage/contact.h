@@ -15,6 +15,7 @@
 
 namespace ENCAGE_EXPORT encage {
 
+class FirstContactSearch;
 class SimpleShape;
 
 struct ContactOptions {
@@ -26,6 +27,9 @@ struct ContactOptions {
   double arc = 0;
   /// In [0, 1], usually 1. The query does not look for contacts that begin later.
   double latest = 1;
+  /// >= 0. Budget of work of first_contact(): a step is about the test of a box against eight, some 50 to 100 ns. The
+  /// number of steps that a query takes depends on its arguments alone.
+  std::int64_t most_steps = 1 << 20;
 };
 
 /// Four points that move linearly during a step.
@@ -68,6 +72,11 @@ struct Contact {
   /// The surfaces are proven to cross at the start, or a vertex to be inside the half-space; `time` is 0 then. Bodies
   /// that merely touch, and one that lies inside the other, do not count.
   bool overlapping = false;
+  /// first_contact() reached the end of its budget of work (ContactOptions::most_steps), as happens where very many
+  /// triangles touch at once or stay very near each other. No contact begins before `time`. But the features may touch
+  /// later than that or just come near each other, others may suit the ranking of PairContact better, and that surfaces
+  /// cross may have been overlooked.
+  bool exhausted = false;
 };
 
 /// Narrow phase of one pair of bodies. Any broad phase may supply the pairs of triangles. The time is that of the
@@ -100,6 +109,13 @@ class PairContact {
   std::int64_t feature_tests() const noexcept { return feature_tests_; }
 
  private:
+  static constexpr double tick = 0x1p-22;  // times are multiples of it
+  struct Side;
+  struct Placed;
+  void turn_to(std::int32_t triangle_a, std::int32_t triangle_b);
+  static Placed placed(const Side& side, std::int32_t triangle);
+  template <class Visit>
+  static void for_each_feature_pair(const Placed& a, const Placed& b, Visit&& visit);
   struct Triangles;
   void consider(ContactKind kind, const MovingPoints& points, const std::array<std::int32_t, 4>& vertices,
                 const Triangles& triangles) noexcept;
@@ -107,6 +123,11 @@ class PairContact {
                      const std::array<std::int32_t, 3>& vertices_b) noexcept;
   struct Found;
   void add(const Found& found) noexcept;
+
+  // For first_contact().
+  friend class FirstContactSearch;
+  void ignore_ties() noexcept;
+  void suppose(std::int32_t triangle_a, std::int32_t triangle_b, double time);
 
   // A simple shape, or the part of a compound that was tested last.
   struct Side {
@@ -143,9 +164,11 @@ class PairContact {
   static constexpr int window = 4;
   std::array<std::optional<Ranked>, window + 1> best_;  // of each multiple of 2^-22, from the earliest contact on
   double latest_;
-  bool overlapping_ = false;
+  bool overlapping_ = false, exhausted_ = false;
+  bool ignores_ties_ = false;  // true if only contacts before the first one found are of interest
   std::optional<Contact> first_;
-  std::int64_t feature_tests_ = 0;
+  std::int64_t feature_tests_ = 0, contacts_ = 0;
+  std::int64_t steps_ = 0;  // as in ContactOptions
 };
 
 /// Finds the first contact of the surfaces of two moving bodies: it tests boxes, then the bodies' trees, and passes the
@@ -154,8 +177,9 @@ class PairContact {
 /// separated() at rest can prove that they do not intersect at the start. The result says nothing about a body that
 /// lies inside the other without touching it. Bodies turn the short way, whatever the rotation was (Motion), and their
 /// vertices move straight but for ContactOptions::arc. Requirements and errors are those of PairContact. The query
-/// always needs the fine meshes, so for shapes of a ShapeCache call separated() first. Re-entrant; otherwise never
-/// throws, and allocates only where a ShapeCache has to read a mesh.
+/// always needs the fine meshes, so for shapes of a ShapeCache call separated() first. Where the budget of work ends
+/// the query, the contact says so: Contact::exhausted. Re-entrant; otherwise never throws, and allocates only where a
+/// ShapeCache has to read a mesh.
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                                      const ContactOptions& options = {});
 

@@ -22,6 +22,7 @@ struct CageDistanceOptions {
   /// level, which is the fastest and the loosest. Level 0 is the finest.
   int finest_cage = std::numeric_limits<int>::max();
   int coarsest_cage = std::numeric_limits<int>::max();
+  std::int64_t most_steps = 1 << 20;  ///< as in DistanceOptions; a query that ends with it returns a smaller bound
 };
 
 /// Returns a lower bound, in world units, of the distance between two bodies at the start of their motions: never
@@ -40,6 +41,9 @@ struct DistanceOptions {
   /// Triangles of the fine meshes that may be near each other, e.g. the result of the step before. A good hint saves
   /// time, and it decides between pairs that are equally near. The query ignores a hint that is out of range.
   TrianglePair hint = {-1, -1};
+  /// >= 0. Budget of work: a step is about the test of a box against eight, some 50 to 100 ns. The number of steps that
+  /// a query takes depends on its arguments alone.
+  std::int64_t most_steps = 1 << 20;
 };
 
 struct DistanceResult {
@@ -56,6 +60,9 @@ struct DistanceResult {
   /// The fine triangles that contain these points, numbered as in CageHierarchy::fine; -1 where the point is inside the
   /// body or the distance is not below the limit.
   std::int32_t triangle_a = -1, triangle_b = -1;
+  /// The query reached the end of its budget of work (DistanceOptions::most_steps), as happens where very many
+  /// triangles are equally near. The bounds hold, but may differ by more than is said above.
+  bool exhausted = false;
 };
 
 /// Computes the distance between two bodies at the start of their motions (their ends do not count): between the solids

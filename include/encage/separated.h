@@ -26,6 +26,9 @@ struct Verdict {
   /// False if nothing was tested, because a motion (is_usable(), motion_defect()) or the margin is not usable: the
   /// answer stays "maybe" until the caller mends it, e.g. by nearest_rigid().
   bool usable = true;
+  /// "Maybe", because the query reached the end of its budget of work (PairOptions::most_steps): very many triangles
+  /// stay very near each other.
+  bool exhausted = false;
 };
 
 /// Decides when cages are tested.
@@ -46,6 +49,9 @@ struct PairOptions {
   int finest_cage = 0;                                  ///< finest cage level tested; 0 is the finest of all
   int coarsest_cage = std::numeric_limits<int>::max();  ///< the coarsest level tested
   bool fine = true;                                     ///< tests the fine meshes
+  /// Budget of work for each pair of simple shapes: a step is about the test of a box against eight, some 50 to 100 ns.
+  /// The number of steps that a query takes depends on its arguments alone.
+  std::int64_t most_steps = 1 << 20;
 };
 
 /// Proves that two bodies stay farther apart than the margin while every vertex moves on its straight line, or answers

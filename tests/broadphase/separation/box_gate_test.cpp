@@ -123,7 +123,8 @@ TEST(BoxGate, NeverDropsLeavesThatComeNear) {
     for (int cut = 0; cut < cuts; ++cut) {
       const PairMotion part = motion.part(1.0 * cut / cuts, (cut + 1.0) / cuts);
       std::set<std::pair<std::int32_t, std::int32_t>> now;
-      for (const auto& [first_a, count_a, first_b, count_b] : visited(a, b, {part, a.body(), b.body(), distance})) {
+      for (const auto& [first_a, count_a, first_b, count_b] :
+           visited(a, b, {part, a.body(), b.body(), distance, round % 2 == 1})) {
         for (std::int32_t i = first_a; i < first_a + count_a; ++i) {
           for (std::int32_t j = first_b; j < first_b + count_b; ++j) {
             const bool added = now.emplace(a.arrays.tree.leaves[i].triangle, b.arrays.tree.leaves[j].triangle).second;
@@ -180,6 +181,51 @@ TEST(BoxGate, VisitsFewLeavesThatAreFarApart) {
   EXPECT_GT(visits, 100U);
   EXPECT_LT(visits * 100, pairs);
   EXPECT_GE(near_visits * 100, visits * 95);
+}
+
+// The spheres are apart by more than the distance, but along no axis of theirs.
+TEST(BoxGate, DirectionsSeparateSmallBoxesAtLargeDistances) {
+  const SampleTree a(shapes::sphere(4));
+  std::size_t without = 0, with = 0;
+  for (const bool rest : {false, true}) {
+    PairMotion motion;
+    motion.at_rest = rest;
+    motion.b[0].offset = motion.b[1].offset = Eigen::Vector3d(1.7, 1.7, 1.7);
+    if (!rest) motion.b[1].offset.x() += 0.01;
+    without += visited(a, a, BoxGate(motion, a.body(), a.body(), 0.93)).size();
+    with += visited(a, a, BoxGate(motion, a.body(), a.body(), 0.93, true)).size();
+    EXPECT_FALSE(visited(a, a, BoxGate(motion, a.body(), a.body(), 0.96, true)).empty());
+  }
+  EXPECT_GT(without, 50U);
+  EXPECT_EQ(with, 0U);
+}
+
+TEST(BoxGate, TakesOneStepForEachPairOfBoxes) {
+  const SampleTree a(shapes::sphere(3));
+  PairMotion motion;
+  motion.at_rest = true;
+  const BoxGate gate(motion, a.body(), a.body(), 1e-3);
+  const auto visits = [&](std::int64_t steps, std::int64_t& left) {
+    std::int64_t count = 0;
+    left = steps;
+    visit_leaf_pairs(
+        a.arrays.tree, a.arrays.tree, gate,
+        [](void* c, std::int32_t, std::int32_t, std::int32_t, std::int32_t) {
+          ++*static_cast<std::int64_t*>(c);
+          return true;
+        },
+        &count, &left);
+    return count;
+  };
+  constexpr std::int64_t plenty = 1'000'000;
+  std::int64_t left = 0;
+  const std::int64_t all = visits(plenty, left), taken = plenty - left;
+  EXPECT_GT(taken, all);
+  EXPECT_EQ(visits(taken, left), all);
+  EXPECT_EQ(left, 0);
+  EXPECT_LT(visits(taken / 2, left), all);
+  EXPECT_LT(left, 0);
+  EXPECT_GE(left, -4);  // four tests run together
 }
 
 // Two sheets are parallel but askew to all axes, and apart by a hundredth of their size: boxes overlap down to the
@@ -282,7 +328,7 @@ TEST(BoxGate, VisitsTheSameLeavesInTheSameOrderOnEveryInstructionSet) {
     for (int round = 0; round < 300; ++round) {
       const SampleTree &a = all[random.integer(7)], &b = all[random.integer(7)];
       const PairMotion motion = random_step(random, a, b, 1);
-      sequences.push_back(visited(a, b, BoxGate(motion, a.body(), b.body(), random(0, 0.2))));
+      sequences.push_back(visited(a, b, BoxGate(motion, a.body(), b.body(), random(0, 0.2), round % 2 == 1)));
     }
     return sequences;
   };
