@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench/tank/exact_judge.h"
 
+#include "oracles/sampled.h"
 #include "tests/bench/tank/tank_scenes.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +12,7 @@ namespace {
 /// A box that falls by 1 onto the corner of one at rest below, turned so that a vertex meets a face.
 bench::RecordedStep fall(double gap) {
   Motion resting, falling;
-  falling.start.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(1, 1, 1), -Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  falling.start.linear() = encage::test::turn_between(Eigen::Vector3d(1, 1, 1), -Eigen::Vector3d::UnitZ());
   falling.start.translation() = Eigen::Vector3d(0.1, 0.2, 1 + std::sqrt(3.0) + gap);
   falling.end = falling.start;
   falling.end.translation().z() -= 1;

@@ -21,7 +21,7 @@ class RecordedTool : public testing::Test {
  protected:
   RecordedTool(std::string subcommand, const std::string& poses) : subcommand_(std::move(subcommand)) {
     BakeOptions options;
-    options.faces = {200};
+    options.coarse = {coarse_rings()[0]};
     write_asset(folder.path() / "ring.glb", bake(torus(24, 12), options));
     write_poses("poses.csv", poses);
   }

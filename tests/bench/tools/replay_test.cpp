@@ -38,7 +38,7 @@ class ReplayTool : public testing::Test {
   static const CageHierarchy& baked() {
     static const CageHierarchy hierarchy = [] {
       BakeOptions options;
-      options.faces = {200};
+      options.coarse = {coarse_rings()[0]};
       return bake(torus(24, 12), options);
     }();
     return hierarchy;

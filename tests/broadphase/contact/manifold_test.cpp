@@ -193,9 +193,8 @@ TEST(Manifold, BoxOnItsEdgeAndOnItsCorner) {
     }
     EXPECT_NEAR(low, -0.75, 1e-9);
     EXPECT_NEAR(high, 1, 1e-9);
-    const Eigen::Quaterniond onto_corner = Eigen::Quaterniond::FromTwoVectors(Vector(-1, -1, -1), -up);
     Pose pose = shift(0.25, 0.125, 1 + std::sqrt(3) + gap);
-    pose.linear() = onto_corner.toRotationMatrix();
+    pose.linear() = turn_between(Vector(-1, -1, -1), -up);
     const Points corner = contacts(*cube, Motion::resting(pose), *cube, Motion{}, {.margin = 0.02});
     ASSERT_EQ(corner.size(), 1U);
     expect_all(corner, up, gap, 1e-9);
@@ -474,7 +473,7 @@ TEST(Manifold, HalfSpaces) {
     const HalfSpace plane{n, random(-2, 2)};
     // A face lies on the plane.
     Pose pose = Pose::Identity();
-    pose.linear() = Eigen::Quaterniond::FromTwoVectors(up, n).toRotationMatrix();
+    pose.linear() = turn_between(up, n);
     pose.translation() = (plane.offset + scale + gap) * n + 3 * n.unitOrthogonal();
     const Points points = contacts(*cube, Motion::resting(pose, scale), plane, {.margin = 0.03});
     ASSERT_EQ(points.size(), 4U);
@@ -499,7 +498,7 @@ TEST(Manifold, HalfSpaceUnderAnEdgeACornerAndARoundBody) {
   ASSERT_EQ(points.size(), 2U);
   expect_all(points, up, -0.01, 1e-12);
   Pose pose = shift(0, 0, std::sqrt(3) + 0.01);
-  pose.linear() = Eigen::Quaterniond::FromTwoVectors(Vector(-1, -1, -1), -up).toRotationMatrix();
+  pose.linear() = turn_between(Vector(-1, -1, -1), -up);
   points = contacts(*cube, Motion::resting(pose), floor, {.margin = 0.02});
   ASSERT_EQ(points.size(), 1U);
   expect_all(points, up, 0.01, 1e-12);
@@ -617,7 +616,7 @@ TEST(Manifold, Capsules) {
       // Across an edge, in the direction between its faces.
       const Vector n = Vector(1, 0, 1).normalized();
       Pose pose = Pose::Identity();
-      pose.linear() = Eigen::Quaterniond::FromTwoVectors(Vector::UnitX(), Vector(1, 0, -1)).toRotationMatrix();
+      pose.linear() = turn_between(Vector::UnitX(), Vector(1, 0, -1));
       pose.translation() = Vector(1, 0.3, 1) + (radius + gap) * n;
       points = both_ways(*rod, Motion::resting(pose), *cube, Motion{}, radius, 0.02);
       ASSERT_EQ(points.size(), 1U);

@@ -38,7 +38,7 @@ TEST_F(BakeCommand, AloneWritesIntoTheCurrentFolder) {
 TEST_F(BakeCommand, AGlbInputIsNotOverwritten) {
   bake_model();
   const std::string before = folder.read("model.glb");
-  const RunResult result = encage({"bake", "model.glb", "--faces", "60"});
+  const RunResult result = encage({"bake", "model.glb", "--method", "collapse", "--faces", "20"});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(folder.read("model.glb"), before);
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"model.cages.glb", "model.glb", "model.obj"}));
@@ -51,12 +51,13 @@ TEST_F(BakeCommand, AnAssetStandsForItsSource) {
   open.vertices.col(0).array() += 4096;
   open.triangles.conservativeResize(open.triangles.rows() - 48, 3);
   folder.write("open.obj", to_obj(open));
-  ASSERT_EQ(encage({"bake", "open.obj", "--faces", "200,60"}).status, 0);
+  write_rings(4096);
+  ASSERT_EQ(encage({"bake", "open.obj", "--coarse", "fine.off,coarse.off"}).status, 0);
   const CageHierarchy first = read_asset(folder.path() / "open.glb", Verify::all);
   ASSERT_GT(first.cap_count, 0);
   ASSERT_NE(first.origin.x(), 0);
 
-  const RunResult result = encage({"bake", "open.glb", "-o", "again.glb", "--faces", "200,60"});
+  const RunResult result = encage({"bake", "open.glb", "-o", "again.glb", "--coarse", "fine.off"});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.err.find("note: open.glb: an asset of Encage: its source is read, as stored in float32; its 2 cages "
                             "are left out\n"),
@@ -73,7 +74,8 @@ TEST_F(BakeCommand, AnAssetStandsForItsSource) {
 }
 
 TEST_F(BakeCommand, AnAssetWithoutItsSourceIsRefused) {
-  ASSERT_EQ(encage({"bake", "model.obj", "--faces", "60", "--no-source"}).status, 0);
+  write_rings();
+  ASSERT_EQ(encage({"bake", "model.obj", "--coarse", "fine.off", "--no-source"}).status, 0);
   expect_refused({"bake", "model.glb", "-o", "a.glb"},
                  "model.glb: an asset of Encage that holds cages without their source");
   std::string bytes = folder.read("model.glb");
@@ -83,12 +85,13 @@ TEST_F(BakeCommand, AnAssetWithoutItsSourceIsRefused) {
 }
 
 TEST_F(BakeCommand, AForeignFileIsReplacedOnlyOnRequest) {
+  write_rings();
   folder.write("model.glb", "somebody's other model");
-  expect_refused({"bake", "model.obj", "--faces", "60"}, "model.glb");
+  expect_refused({"bake", "model.obj", "--coarse", "fine.off"}, "model.glb");
   EXPECT_EQ(folder.read("model.glb"), "somebody's other model");
-  EXPECT_EQ(encage({"bake", "model.obj", "--faces", "60", "-o", "model.glb"}).status, 0);
+  EXPECT_EQ(encage({"bake", "model.obj", "--coarse", "fine.off", "-o", "model.glb"}).status, 0);
   // What is ours is replaced without asking.
-  EXPECT_EQ(encage({"bake", "model.obj", "--faces", "80"}).status, 0);
+  EXPECT_EQ(encage({"bake", "model.obj", "--coarse", "coarse.off"}).status, 0);
 }
 
 TEST_F(BakeCommand, JsonHasTheKeysThatOtherToolsReadAndAgreesWithTheAsset) {
@@ -180,7 +183,8 @@ TEST_F(BakePartial, LevelsThatATimeLimitLeavesOut) {
   EXPECT_EQ(json.at("missing_levels"), Json({60, 20}));
   EXPECT_EQ(json.at("truncated"), true);
   // A limit that leaves nothing out.
-  EXPECT_EQ(encage({"bake", "model.obj", "--faces", "200", "--time-limit", "1e9", "--json", "a.json"}).status, 0);
+  write_rings();
+  EXPECT_EQ(encage({"bake", "model.obj", "--coarse", "fine.off", "--time-limit", "1e9", "--json", "a.json"}).status, 0);
   EXPECT_EQ(Json::parse(folder.read("a.json")).at("missing_levels"), Json::array());
 }
 
@@ -195,7 +199,8 @@ TEST_F(BakeCommand, RatioAndLevelsChooseTheFaces) {
 }
 
 TEST_F(BakeCommand, NoSourceLeavesLevelZeroOut) {
-  ASSERT_EQ(encage({"bake", "model.obj", "--faces", "60", "--no-source"}).status, 0);
+  write_rings();
+  ASSERT_EQ(encage({"bake", "model.obj", "--coarse", "fine.off", "--no-source"}).status, 0);
   EXPECT_EQ(read_asset(folder.path() / "model.glb").fine.triangles.rows(), 0);
 }
 
@@ -221,7 +226,8 @@ TEST_F(BakeCommand, BadInputIsNamed) {
 
 TEST_F(BakeCommand, WhatTheReaderSkippedIsNoted) {
   folder.write("lines.obj", to_obj(torus(24, 12)) + "l 1 2\n");
-  const RunResult result = encage({"bake", "lines.obj", "--faces", "60"});
+  write_rings();
+  const RunResult result = encage({"bake", "lines.obj", "--coarse", "fine.off"});
   EXPECT_EQ(result.status, 0);
   EXPECT_NE(result.err.find("note: lines.obj: skipped: 1 line element\n"), std::string::npos) << result.err;
 }
@@ -250,6 +256,7 @@ TEST_F(BakeCommand, NotesOfEveryReaderReachTheUser) {
   folder.write("a.ply", ply.insert(ply.find("end_header"), list) + '\0');
   folder.write("a.stl", folder.read("a.stl") + "behind");
   folder.write("a.obj", "\xEF\xBB\xBF" + folder.read("model.obj"));
+  write_rings();
   const std::string skipped = "skipped: 1 other scene", pose = "only the default pose is read: 1 animation";
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
       {"a.gltf", {skipped, pose}},
@@ -259,7 +266,7 @@ TEST_F(BakeCommand, NotesOfEveryReaderReachTheUser) {
       {"a.stl", {"skipped: 6 bytes behind the last of the 576 triangles that the header promises"}},
       {"a.obj", {"a byte order mark was skipped"}}};
   for (const auto& [file, notes] : cases) {
-    const RunResult result = encage({"bake", file, "-o", "out.glb", "--faces", "60", "--json"});
+    const RunResult result = encage({"bake", file, "-o", "out.glb", "--coarse", "fine.off", "--json"});
     EXPECT_EQ(result.status, 0) << file << result.err;
     for (const std::string& note : notes) {
       EXPECT_NE(result.err.find("note: " + file + ": " + note), std::string::npos) << result.err;

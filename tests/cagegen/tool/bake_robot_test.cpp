@@ -45,14 +45,14 @@ TEST_F(BakeRobot, EveryCollisionMeshBecomesAnAsset) {
                                    link("camera", "<collision><geometry><box size=\"1 1 1\"/></geometry></collision>") +
                                    link("tip", "") + "<joint name=\"j\" type=\"fixed\"/>"));
   const RunResult result =
-      encage({"bake", "robot.urdf", "--method", "collapse", "--faces", "100", "--json", "robot.json"});
+      encage({"bake", "robot.urdf", "--method", "collapse", "--faces", "12", "--json", "robot.json"});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.err.find("note: robot.urdf: skipped: 1 collision shape without a mesh: box\n"), std::string::npos)
       << result.err;
   EXPECT_NE(result.out.find("wrote robot/hand_left_1.glb\n"), std::string::npos) << result.out;
 
   // The origin is where the link has the mesh: the asset is that of the mesh.
-  ASSERT_EQ(encage({"bake", "model.obj", "--method", "collapse", "--faces", "100"}).status, 0);
+  ASSERT_EQ(encage({"bake", "model.obj", "--method", "collapse", "--faces", "12"}).status, 0);
   EXPECT_EQ(folder.read("robot/base.glb"), folder.read("model.glb"));
   EXPECT_EQ(folder.read("robot/wheel.glb"), folder.read("model.glb"));
   const double volume = asset("model.glb").source_volume;
@@ -68,7 +68,7 @@ TEST_F(BakeRobot, EveryCollisionMeshBecomesAnAsset) {
   EXPECT_EQ(base.at("asset"), "robot/base.glb");
   EXPECT_EQ(base.at("origin").at("xyz"), (Json{1, 2, 3}));
   EXPECT_EQ(base.at("origin").at("rpy"), (Json{0, 0, 1.5}));
-  EXPECT_LE(base.at("levels").at(0).at("faces"), 100);
+  EXPECT_LE(base.at("levels").at(0).at("faces"), 12);
   EXPECT_EQ(json["bodies"][2].at("scale"), (Json{-1, 1, 1}));
   // A mirrored mesh is not inside out.
   EXPECT_EQ(json["bodies"][2].at("source").at("sanitize").at("flipped_components"), 0);
@@ -83,16 +83,16 @@ TEST_F(BakeRobot, PackagesAreFoundAboveTheDescription) {
   folder.write("hand-1.2/meshes/b.obj", folder.read("model.obj"));
   for (const std::string name : {"package://arm/meshes/a.obj", "model://arm/meshes/a.obj", "../meshes/a.obj"}) {
     folder.write("arm/urdf/arm.urdf", robot(link("a", collision(name))));
-    EXPECT_EQ(encage({"bake", "arm/urdf/arm.urdf", "--method", "collapse", "--faces", "100"}).status, 0) << name;
+    EXPECT_EQ(encage({"bake", "arm/urdf/arm.urdf", "--method", "collapse", "--faces", "12"}).status, 0) << name;
     EXPECT_EQ(asset("arm/a.glb").fine.triangles.rows(), 576);
     fs::remove(folder.path() / "arm/a.glb");
   }
   folder.write("here.urdf", robot(link("a", collision("file://" + (folder.path() / "arm/meshes/a.obj").string()))));
-  EXPECT_EQ(encage({"bake", "here.urdf", "--method", "collapse", "--faces", "100", "-o", "new"}).status, 0);
+  EXPECT_EQ(encage({"bake", "here.urdf", "--method", "collapse", "--faces", "12", "-o", "new"}).status, 0);
   // A package that was unpacked under another name.
   folder.write("hand-1.2/urdf/hand.urdf", robot(link("b", collision("package://hand/meshes/b.obj"))));
   const RunResult renamed =
-      encage({"bake", "hand-1.2/urdf/hand.urdf", "--method", "collapse", "--faces", "100", "-o", "out"});
+      encage({"bake", "hand-1.2/urdf/hand.urdf", "--method", "collapse", "--faces", "12", "-o", "out"});
   EXPECT_EQ(renamed.status, 0) << renamed.err;
   EXPECT_NE(renamed.err.find("no folder is called 'hand'; its files are taken from "), std::string::npos);
 }
@@ -100,7 +100,7 @@ TEST_F(BakeRobot, PackagesAreFoundAboveTheDescription) {
 TEST_F(BakeRobot, LongNamesOfLinksAreCut) {
   const std::string first = std::string(300, 'a') + '1', second = std::string(300, 'a') + '2';
   folder.write("robot.urdf", robot(link(first, collision("model.obj")) + link(second, collision("model.obj"))));
-  const RunResult result = encage({"bake", "robot.urdf", "--faces", "100"});
+  const RunResult result = encage({"bake", "robot.urdf", "--method", "collapse", "--faces", "12"});
   EXPECT_EQ(result.status, 0) << result.err;
   const fs::path assets = folder.path() / "robot";
   EXPECT_TRUE(fs::exists(assets / (std::string(200, 'a') + ".glb")));
@@ -110,7 +110,7 @@ TEST_F(BakeRobot, LongNamesOfLinksAreCut) {
 TEST_F(BakeRobot, GoesThroughPipesIntoAFolder) {
   folder.write("robot.urdf", robot(link("a", collision("model.obj"))));
   const std::string bake =
-      std::string(ENCAGE_BINARY) + " bake - --format urdf --method collapse --faces 100 < robot.urdf";
+      std::string(ENCAGE_BINARY) + " bake - --format urdf --method collapse --faces 12 < robot.urdf";
   EXPECT_EQ(run({"/bin/sh", "-c", bake + " -o out/ --json"}, folder.path()).status, 0);
   EXPECT_TRUE(fs::exists(folder.path() / "out" / "a.glb"));
   EXPECT_EQ(run({"/bin/sh", "-c", bake}, folder.path()).status, 2);
@@ -119,7 +119,7 @@ TEST_F(BakeRobot, GoesThroughPipesIntoAFolder) {
 TEST_F(BakeRobot, BadDescriptionsAreRefused) {
   const auto refused = [&](const std::string& text, const std::string& reason) {
     folder.write("robot.urdf", text);
-    expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "100", "--json", "a.json"},
+    expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "12", "--json", "a.json"},
                    "robot.urdf: " + reason);
   };
   folder.write("open.obj", "v 0 0 0\n");
@@ -158,7 +158,7 @@ TEST_F(BakeRobot, BadDescriptionsAreRefused) {
   expect_refused({"bake", "robot.urdf", "--coarse", "model.obj"}, "--coarse");
   fs::create_directory(folder.path() / "robot");
   folder.write("robot/a.glb", "somebody's");
-  expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "100"},
+  expect_refused({"bake", "robot.urdf", "--method", "collapse", "--faces", "12"},
                  "robot/a.glb: exists and holds no cages");
 }
 

@@ -4,8 +4,11 @@
 #include "tests/cagegen/tool/meshes.h"
 #include "tests/cagegen/tool/run.h"
 
+#include <encage/bake.h>
+
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,10 +24,20 @@ class CommandTest : public ::testing::Test {
     return run(arguments, folder.path());
   }
 
-  /// Bakes `model.obj` to `model.glb` with levels of 200 and 60 faces.
+  /// Bakes `model.obj` to `model.glb` with two levels, from the rings that write_rings() writes.
   void bake_model() {
-    const RunResult result = encage({"bake", "model.obj", "--method", "collapse", "--faces", "200,60"});
+    write_rings();
+    const RunResult result = encage({"bake", "model.obj", "--coarse", "fine.off,coarse.off"});
     ASSERT_EQ(result.status, 0) << result.err;
+    for (const char* ring : {"fine.off", "coarse.off"}) std::filesystem::remove(folder.path() / ring);
+  }
+
+  /// `fine.off` and `coarse.off`: coarse meshes for what is about the torus. Where any cages do, they are the quickest.
+  void write_rings(double x = 0) {
+    std::vector<TriangleMesh> rings = coarse_rings();
+    for (TriangleMesh& ring : rings) ring.vertices.col(0).array() += x;
+    write_mesh(folder.path() / "fine.off", rings[0]);
+    write_mesh(folder.path() / "coarse.off", rings[1]);
   }
 
   /// Bad input: status 2, a message that names the culprit, no result, no file made.

@@ -23,7 +23,8 @@ TEST_F(ExportCommand, RoundTripsThroughEveryFormat) {
   TriangleMesh mesh = torus(24, 12);
   mesh.vertices.col(0).array() += 4096;
   folder.write("model.obj", to_obj(mesh));
-  bake_model();
+  write_rings(4096);
+  ASSERT_EQ(encage({"bake", "model.obj", "--coarse", "fine.off,coarse.off"}).status, 0);
   const CageHierarchy hierarchy = read_asset(folder.path() / "model.glb");
   ASSERT_NE(hierarchy.origin.x(), 0);
   TriangleMesh cage = hierarchy.levels[1].mesh;
@@ -59,7 +60,8 @@ TEST_F(ExportCommand, BadRequestsAreRefused) {
   expect_refused({"export", "model.glb", "--level", "1", "-o", "nowhere/a.obj"}, "nowhere");
   expect_refused({"export", "model.glb", "--level", "1", "-o", "model.glb"}, "model.glb");
   expect_refused({"export", "missing.glb", "--level", "1", "-o", "a.obj"}, "missing.glb");
-  ASSERT_EQ(encage({"bake", "model.obj", "--faces", "60", "--no-source"}).status, 0);
+  write_rings();
+  ASSERT_EQ(encage({"bake", "model.obj", "--coarse", "fine.off", "--no-source"}).status, 0);
   expect_refused({"export", "model.glb", "--level", "0", "-o", "a.obj"}, "not stored");
 }
 

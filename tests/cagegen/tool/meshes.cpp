@@ -8,7 +8,7 @@
 
 namespace encage::test {
 
-TriangleMesh torus(int around, int along) {
+TriangleMesh torus(int around, int along, double tube) {
   TriangleMesh mesh;
   mesh.vertices.resize(std::int64_t{around} * along, 3);
   mesh.triangles.resize(2 * std::int64_t{around} * along, 3);
@@ -18,14 +18,16 @@ TriangleMesh torus(int around, int along) {
     const double u = 2 * std::numbers::pi * i / around;
     for (int j = 0; j < along; ++j) {
       const double v = 2 * std::numbers::pi * j / along;
-      const double radius = 1 + 0.3 * std::cos(v);
-      mesh.vertices.row(index(i, j)) << radius * std::cos(u), radius * std::sin(u), 0.3 * std::sin(v);
+      const double radius = 1 + tube * std::cos(v);
+      mesh.vertices.row(index(i, j)) << radius * std::cos(u), radius * std::sin(u), tube * std::sin(v);
       mesh.triangles.row(t++) << index(i, j), index(i + 1, j), index(i + 1, j + 1);
       mesh.triangles.row(t++) << index(i, j), index(i + 1, j + 1), index(i, j + 1);
     }
   }
   return mesh;
 }
+
+std::vector<TriangleMesh> coarse_rings() { return {torus(16, 6, 0.45), torus(12, 5, 0.7)}; }
 
 std::string to_obj(const TriangleMesh& mesh) {
   std::ostringstream out;

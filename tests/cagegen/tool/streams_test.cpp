@@ -25,13 +25,18 @@ class Streams : public CommandTest {
  protected:
   Streams() { folder.write("poses.csv", "step,body,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,0,1\n0,1,5,0,0,0,0,0,1\n"); }
 
+  void SetUp() override {
+    bake_model();
+    write_rings();
+  }
+
   /// A line of the shell; $ENCAGE is the program.
   RunResult shell(const std::string& line) {
     return run({"/bin/sh", "-c", "ENCAGE='" + std::string(ENCAGE_BINARY) + "'; " + line}, folder.path());
   }
 };
 
-const std::vector<std::string> every_command = {"bake model.obj --method collapse --faces 60 -o new.glb",
+const std::vector<std::string> every_command = {"bake model.obj --coarse fine.off -o new.glb",
                                                 "check model.glb",
                                                 "info model.glb",
                                                 "export model.glb --level 1 -o cage.obj",
@@ -39,7 +44,6 @@ const std::vector<std::string> every_command = {"bake model.obj --method collaps
                                                 "query model.glb --poses poses.csv"};
 
 TEST_F(Streams, JsonMeansTheSameInEveryCommand) {
-  bake_model();
   for (const std::string& command : every_command) {
     const RunResult text = shell("$ENCAGE " + command);
     EXPECT_EQ(text.status, 0) << command << text.err;
@@ -64,13 +68,12 @@ TEST_F(Streams, JsonMeansTheSameInEveryCommand) {
 }
 
 TEST_F(Streams, AFullDeviceIsNoticedByEveryCommand) {
-  bake_model();
   std::vector<std::string> lines = {"--help", "--version", "bake --help"};
   for (const std::string& command : every_command) {
     lines.push_back(command);
     lines.push_back(command + " --json");
   }
-  lines.emplace_back("bake model.obj --method collapse --faces 60 -o -");
+  lines.emplace_back("bake model.obj --coarse fine.off -o -");
   lines.emplace_back("export model.glb --level 1 --format obj -o -");
   lines.emplace_back("render model.glb --size 64x48 -o -");
   for (const std::string& line : lines) {
@@ -81,9 +84,7 @@ TEST_F(Streams, AFullDeviceIsNoticedByEveryCommand) {
 }
 
 TEST_F(Streams, MeshesAndAssetsGoThroughPipes) {
-  bake_model();
-  const RunResult bake =
-      shell("$ENCAGE bake - --format obj --method collapse --faces 200,60 -o - < model.obj > piped.glb");
+  const RunResult bake = shell("$ENCAGE bake - --format obj --coarse fine.off,coarse.off -o - < model.obj > piped.glb");
   EXPECT_EQ(bake.status, 0) << bake.err;
   EXPECT_EQ(folder.read("piped.glb"), folder.read("model.glb"));
   EXPECT_NE(bake.err.find("standard input: 576 triangles"), std::string::npos) << bake.err;
@@ -104,10 +105,8 @@ TEST_F(Streams, MeshesAndAssetsGoThroughPipes) {
 TEST_F(Streams, NamedPipesAreReadOnce) {
   ASSERT_EQ(mkfifo((folder.path() / "pipe.obj").c_str(), 0600), 0);
   ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
-  bake_model();
   EXPECT_EQ(
-      shell("cat model.obj > pipe.obj & $ENCAGE bake pipe.obj --method collapse --faces 200,60 -o piped.glb; wait")
-          .status,
+      shell("cat model.obj > pipe.obj & $ENCAGE bake pipe.obj --coarse fine.off,coarse.off -o piped.glb; wait").status,
       0);
   EXPECT_EQ(folder.read("piped.glb"), folder.read("model.glb"));
   EXPECT_EQ(shell("cat model.glb > pipe & $ENCAGE info pipe; wait").out, encage({"info", "model.glb"}).out);
@@ -115,11 +114,10 @@ TEST_F(Streams, NamedPipesAreReadOnce) {
 
 TEST_F(Streams, AFormatGoesBeforeTheExtension) {
   folder.write("mesh.txt", folder.read("model.obj"));
-  EXPECT_EQ(encage({"bake", "mesh.txt", "--format", "obj", "--faces", "60"}).status, 0);
+  EXPECT_EQ(encage({"bake", "mesh.txt", "--format", "obj", "--coarse", "fine.off"}).status, 0);
   expect_refused({"bake", "mesh.txt"}, "mesh.txt: unknown format 'txt'");
   expect_refused({"bake", "model.obj", "--format", "off", "-o", "a.glb"}, "model.obj: line 1: not an OFF file");
   expect_refused({"bake", "model.obj", "--format", "xyz", "-o", "a.glb"}, "unknown format 'xyz'");
-  bake_model();
   EXPECT_EQ(encage({"export", "model.glb", "--level", "1", "-o", "cage.mesh", "--format", "off"}).status, 0);
   EXPECT_TRUE(folder.read("cage.mesh").starts_with("OFF\n"));
 }
@@ -127,7 +125,6 @@ TEST_F(Streams, AFormatGoesBeforeTheExtension) {
 TEST_F(Streams, WhatHasNoNameNeedsOne) {
   expect_refused({"bake", "-", "--format", "obj"}, "choose it with -o");
   expect_refused({"bake", "-", "-o", "a.glb"}, "standard input: has no extension that tells the format");
-  bake_model();
   expect_refused({"export", "model.glb", "--level", "1", "-o", "-"}, "--format");
   expect_refused({"export", "model.glb", "--level", "1", "-o", "-", "--format", "obj", "--json", "-"}, "same file");
   expect_refused({"bake", "model.obj", "-o", "-", "--json"}, "same file");
@@ -142,9 +139,8 @@ TEST_F(Streams, PipesAndDevicesAreWrittenThroughAndLinksStay) {
   folder.write("target", "old");
   fs::create_symlink("target", folder.path() / "link.json");
   fs::create_symlink("target.glb", folder.path() / "link.glb");
-  bake_model();
 
-  const std::string bake = "$ENCAGE bake model.obj --method collapse --faces 200,60 ";
+  const std::string bake = "$ENCAGE bake model.obj --coarse fine.off,coarse.off ";
   EXPECT_EQ(shell("cat pipe > read & " + bake + "-o a.glb --json pipe; wait").status, 0);
   EXPECT_TRUE(Json::accept(folder.read("read")));
   EXPECT_EQ(shell("cat pipe > read.glb & " + bake + "-o pipe; wait").status, 0);
@@ -170,14 +166,12 @@ TEST_F(Streams, PipesAndDevicesAreWrittenThroughAndLinksStay) {
 
 /// Text and JSON that go to one file through its descriptor stand there one after the other.
 TEST_F(Streams, StandardOutputGoesOnWhereItIs) {
-  bake_model();
   ASSERT_EQ(shell("$ENCAGE info model.glb --json > json.txt").status, 0);
   EXPECT_EQ(shell("{ echo before; $ENCAGE info model.glb --json -; echo after; } > all.txt").status, 0);
   EXPECT_EQ(folder.read("all.txt"), "before\n" + folder.read("json.txt") + "after\n");
 }
 
 TEST_F(Streams, PicturesAreOfOneFormat) {
-  bake_model();
   for (const char* name : {"a.jpg", "a.jpeg", "a", "a.pn", "a.png.bmp"}) {
     expect_refused({"render", "model.glb", "-o", name}, std::string(name) + ": pictures are written as .png only");
   }
