@@ -30,6 +30,13 @@ constexpr double coherent = 0.85;
 constexpr double blunt_cosine = 0.85;
 /// Vertices that are searched for inwards, of one body of a pair. What is deeper counts no more.
 constexpr std::size_t most_flooded = 4096;
+/// Pairs of leaves that are looked at. Bodies that rest on each other have some thousands; dense surfaces that lie in
+/// each other over and over have millions, of which the first ones tell enough of a depth that is heuristic anyway.
+constexpr std::size_t most_leaf_pairs = 1 << 16;
+/// Searches for a way out by the directions of faces, which visit much of a mesh where few faces have them.
+constexpr int most_searches = 1024;
+/// Pairs of an edge crossing and a contact that are compared, the deepest crossings first.
+constexpr std::size_t most_compared = 1 << 23;
 
 std::uint64_t vertex_feature(const ContactBody& guest, const ContactBody& host, bool guest_is_a, std::int32_t v) {
   return static_cast<std::uint64_t>(guest_is_a ? 0 : 1) << 62 |
@@ -71,8 +78,7 @@ class Search {
     visit_leaf_pairs(
         a.tree, b.tree, gate,
         [](void* self, std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
-          static_cast<Search*>(self)->leaves(first_a, count_a, first_b, count_b);
-          return true;
+          return static_cast<Search*>(self)->leaves(first_a, count_a, first_b, count_b);
         },
         this);
     if (!s_.leaf_pairs.empty()) {
@@ -99,7 +105,8 @@ class Search {
   }
 
  private:
-  void leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
+  /// Returns false where the budget ends.
+  bool leaves(std::int32_t first_a, std::int32_t count_a, std::int32_t first_b, std::int32_t count_b) {
     const std::int32_t index_a = s_.a.leaf(first_a, count_a), index_b = s_.b.leaf(first_b, count_b);
     s_.leaf_pairs.push_back({index_a, index_b});
     const ContactLeaf &a = s_.a.leaves[static_cast<std::size_t>(index_a)],
@@ -117,6 +124,7 @@ class Search {
     }
     if (s_.a.round) local_minima(s_.a, a, s_.b, b, true);
     if (s_.b.round) local_minima(s_.b, b, s_.a, a, false);
+    return s_.leaf_pairs.size() < most_leaf_pairs;
   }
 
   static std::span<ContactVertex> vertices(ContactBody& body, const ContactLeaf& leaf) {
@@ -603,6 +611,7 @@ class Search {
     const Vector p = host.inverse(v.position);
     SurfacePoint out;
     const auto search = [&](const Vector& against, double most) {
+      if (++searches_ > most_searches) return false;
       SurfacePoint found;
       const NormalFilter filter{host.local_direction(against), most};
       if (!nearest_point(*host.surface, p, std::numeric_limits<double>::infinity(), found, filter)) return false;
@@ -720,7 +729,10 @@ class Search {
                 return std::tie(y.contact.separation, x.contact.feature) <
                        std::tie(x.contact.separation, y.contact.feature);
               });
+    std::size_t compared = 0;
     for (const ContactScratch::Crossing& crossing : s_.crossings) {
+      compared += s_.candidates.size() - first + 1;
+      if (compared > most_compared) break;
       const ContactCandidate& c = crossing.contact;
       const double reach = std::max(length_of(s_.a, crossing.edge_a), length_of(s_.b, crossing.edge_b));
       const auto tells = [&](const ContactCandidate& other) {
@@ -821,6 +833,7 @@ class Search {
   double wide_ = limit_;         ///< the limit for what is remembered
   double far_ = limit_;          ///< no contact comes of what is farther apart than this at the start
   double turn_ = 0;              ///< radians that the bodies may turn while the memory holds
+  int searches_ = 0;
   Vector before_;
 };
 
