@@ -351,14 +351,20 @@ void ContactSolver::retest(const Step& step, const Positions& y) {
   work_ += static_cast<std::int64_t>(faces.size());
   std::erase_if(hits_,
                 [&](const Pair& pair) { return dirty_[pair.face] || (pair.other < 0 && dirty_[-1 - pair.other]); });
+  // The caller is charged for the work of all threads: its budget must not depend on which of them did it.
+  const std::uint64_t work_before = Obstacle::work();
+  std::uint64_t work_here = 0;
   std::mutex mutex;
   for_ranges(options_.threads, faces.size(), least_per_thread, [&](std::size_t first, std::size_t last) {
+    const std::uint64_t before = Obstacle::work();
     std::vector<Pair> found;
     std::vector<std::int32_t> scratch;
     for (std::size_t i = first; i < last; ++i) test_face(step, y, faces[i], found, scratch);
     const std::lock_guard lock(mutex);
+    work_here += Obstacle::work() - before;
     hits_.insert(hits_.end(), found.begin(), found.end());
   });
+  Obstacle::work() = work_before + work_here;
   std::sort(hits_.begin(), hits_.end());
   tested_ = y;
   test_all_ = false;

@@ -37,17 +37,20 @@ using test::expect_certified;
 using test::with_faces;
 
 /// Bakes with two threads, expects certified cages.
-CageHierarchy bake_certified_once(const TriangleMesh& input, const std::vector<std::int64_t>& faces) {
-  const SourceMesh source = sanitize(input);
+CageHierarchy bake_certified_once(const SourceMesh& source, const std::vector<std::int64_t>& faces) {
   CageHierarchy cages = bake(source, with_faces(faces, 2), {});
   expect_certified(cages, source);
   return cages;
 }
+CageHierarchy bake_certified_once(const TriangleMesh& input, const std::vector<std::int64_t>& faces) {
+  return bake_certified_once(sanitize(input), faces);
+}
 
 /// Bakes with one thread and with two, expects the same certified cages.
 CageHierarchy bake_certified(const TriangleMesh& input, const std::vector<std::int64_t>& faces) {
-  const CageHierarchy two = bake_certified_once(input, faces);
-  CageHierarchy one = bake(sanitize(input), with_faces(faces, 1), {});
+  const SourceMesh source = sanitize(input);
+  const CageHierarchy two = bake_certified_once(source, faces);
+  CageHierarchy one = bake(source, with_faces(faces, 1), {});
   EXPECT_EQ(one.levels.size(), two.levels.size());
   for (std::size_t i = 0; i < std::min(one.levels.size(), two.levels.size()); ++i) {
     EXPECT_EQ(one.levels[i].mesh.vertices, two.levels[i].mesh.vertices);

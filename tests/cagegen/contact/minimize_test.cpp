@@ -25,7 +25,13 @@ ContactSolverOptions options(
 void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double most) {
   const Obstacle obstacle(solid);
   ASSERT_TRUE(clear(obstacle, cage, test_clearance));
-  const TriangleMesh first = shrink(obstacle, cage, options(1));
+  const auto work_of = [&](int threads, TriangleMesh& result) {
+    const std::uint64_t before = Obstacle::work();
+    result = shrink(obstacle, cage, options(threads));
+    return Obstacle::work() - before;
+  };
+  TriangleMesh first;
+  const std::uint64_t work = work_of(1, first);
   const CertifyResult proof = certify(solid, Solid::closed, first);
   ASSERT_TRUE(proof.holds) << proof.reason;
   EXPECT_GE(proof.certificate.clearance, 0.999 * test_clearance);
@@ -33,7 +39,12 @@ void expect_shrinks(const TriangleMesh& solid, const TriangleMesh& cage, double 
   EXPECT_LE(signed_volume(first), most);
   EXPECT_EQ(first.triangles, cage.triangles);
   EXPECT_EQ(first.vertices, shapes::rounded(first).vertices);
-  for (const int threads : {2, 3}) EXPECT_EQ(shrink(obstacle, cage, options(threads)).vertices, first.vertices);
+  // Budgets of work end at the same place, too.
+  for (const int threads : {2, 3}) {
+    TriangleMesh again;
+    EXPECT_EQ(work_of(threads, again), work);
+    EXPECT_EQ(again.vertices, first.vertices);
+  }
 }
 
 TriangleMesh inflated(const TriangleMesh& solid, double height) {
