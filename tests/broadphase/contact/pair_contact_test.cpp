@@ -511,7 +511,9 @@ TEST(FirstContact, RefusesMotionsThatAreNotUsable) {
     }
     return "accepted";
   };
-  for (const auto& [motion, reason] : cases) {
+  for (const auto& bad : cases) {
+    const Motion& motion = bad.motion;
+    const std::string& reason = bad.reason;
     EXPECT_EQ(message([&] { first_contact(shape, motion, shape, rest); }), "first contact: body a: " + reason);
     EXPECT_EQ(message([&] { first_contact(shape, rest, shape, motion); }), "first contact: body b: " + reason);
     EXPECT_EQ(message([&] { PairContact(shape, rest, shape, motion); }), "first contact: body b: " + reason);

@@ -2,6 +2,8 @@
 #include "oracles/count_allocations.h"
 #include "tests/broadphase/query/ask_body.h"
 
+#include <encage/separated.h>
+
 #include <gtest/gtest.h>
 
 #include <functional>
