@@ -26,8 +26,8 @@ struct ContactBody {
   const Surface* surface = nullptr;
   const SurfaceFeatures* features = nullptr;
   std::uint64_t shape = 0;  ///< SimpleShape::number
-  AffineMap map, inverse;  ///< from the local frame to the common one, scale included, and back
-  AffineMap step;          ///< positions at the start to those at the end, seen from the other body
+  AffineMap map, inverse;   ///< from the local frame to the common one, scale included, and back
+  AffineMap step;           ///< positions at the start to those at the end, seen from the other body
   double scale = 1;
   Eigen::Matrix3d rotation;  ///< map without the scale
   bool solid = true;         ///< otherwise the body is its surface alone, and contacts are two-sided

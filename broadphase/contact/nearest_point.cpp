@@ -22,8 +22,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace encage::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 namespace {
 
 // ---- Boxes ---------------------------------------------------------------------

@@ -82,7 +82,7 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   SimpleShape();
 
   const std::uint64_t number;  ///< > 0, of no other shape of the process
-  LocalFrame frame;  ///< of all surfaces; its radius is the largest of theirs
+  LocalFrame frame;            ///< of all surfaces; its radius is the largest of theirs
   Solid solid = Solid::closed;
   bool hollow = false;         ///< the body is its surface alone
   double fine_error = 0;       ///< largest distance of a source vertex from its fine vertex

@@ -94,7 +94,8 @@ class Refitter {
       // Corner by corner, so that a loop has no other in it.
       for (std::size_t k = 0; k < 3; ++k) {
         bounds.add(range.count, [&](std::int32_t i) -> const Eigen::Vector3d& {
-          return position(tree_.leaves[static_cast<std::size_t>(range.begin + i)].vertices[k]);
+          return position(
+              tree_.leaves[static_cast<std::size_t>(range.begin) + static_cast<std::size_t>(i)].vertices[k]);
         });
       }
     } else {
