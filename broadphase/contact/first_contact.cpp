@@ -24,7 +24,7 @@ class FirstContactSearch {
 
   void search(const MovingPart& a, const MovingPart& b) {
     const FineLease lease_a(*a.shape), lease_b(*b.shape);
-    // What the parts before have left, or enough for parts that are not hard.
+    // These parts may use what the ones before have left; there is always enough for parts that are not hard.
     steps_ = std::max(steps_, std::min(options_.most_steps / 2, least_steps));
     Parts(*this, a, b).search(0, 1);
   }
@@ -96,7 +96,7 @@ class FirstContactSearch {
             &left_);
         all_.steps_ -= allowed - left_;
         if (finished) {
-          // Where most of the steps were needed, more spare many a division.
+          // An interval that needed most of its steps shows that the next ones need more: that saves divisions.
           if (2 * (allowed - left_) > steps_of_interval_) steps_of_interval_ *= 2;
           return true;
         }
@@ -115,7 +115,7 @@ class FirstContactSearch {
       const std::int64_t steps = narrow_.steps_, contacts = narrow_.contacts_;
       narrow_.test(first_a_ + triangle_a, first_b_ + triangle_b);
       const std::int64_t taken = narrow_.steps_ - steps;
-      // What is near the first contact cannot be left out by looking at shorter intervals.
+      // Shorter intervals do not leave out triangles that touch when the first contact begins.
       const bool tie = narrow_.contacts_ > contacts && narrow_.first() && narrow_.first()->time >= latest - 8 * tick;
       if (!tie || narrow_.ignores_ties_) {
         left_ -= taken;

@@ -157,7 +157,7 @@ NearestTriangle nearest_triangle(const MeshArraysView& surface, const Eigen::Vec
   const MeshTreeView& tree = surface.tree;
   const double step = static_cast<double>(tree.grid.step);
   std::array<float, 3> at;
-  // What rounding to float may cost, in grid steps: of the point, of boxes of up to 2^15 steps, and of their distance.
+  // Rounding to float may cost so many grid steps: of the point, of boxes of up to 2^15 steps, of their distance.
   double slack = 1 + 4 * tree.grid.rounding();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double coordinate = tree.grid.coordinate(static_cast<int>(axis), p[static_cast<Eigen::Index>(axis)]);

@@ -27,7 +27,7 @@ class DistanceSearch {
                              {b_->radius, b_->tree.grid, b_.scale()}, pair_.error);
     std::int64_t unlimited = std::numeric_limits<std::int64_t>::max();
     std::int64_t& steps = options_.steps == nullptr ? unlimited : *options_.steps;
-    // Where very many pairs are equally near, coarser bounds are found sooner: some steps are kept for them.
+    // Coarser bounds are found sooner where very many pairs are equally near: some steps are kept for them.
     constexpr double coarse[] = {0x1p-12, 0x1p-6};
     const std::int64_t kept = steps / 16;
     // Far from each other bodies' boxes drown in rounding, and all leaves have to be seen.
@@ -51,8 +51,8 @@ class DistanceSearch {
   /// Returns the distance from which on pairs need not be tested; minus infinity if the surfaces touch within rounding.
   double limit() const {
     if (best_.crossing || best_.upper <= 4 * pair_.error) return -std::numeric_limits<double>::infinity();
-    // What is equally near cannot improve the result: this leaves out what lanes_not_apart() finds as near, but for its
-    // own rounding.
+    // Pairs that are equally near cannot improve the result: this leaves out those that lanes_not_apart() finds as
+    // near, but for its own rounding.
     return std::min(options_.limit, (best_.upper - 2.0625 * pair_.error) / (1 + tolerance_));
   }
 

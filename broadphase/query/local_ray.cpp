@@ -137,7 +137,7 @@ std::optional<double> look_closely(const LocalRay& ray, const TriangleD& corners
       if (at < first && (at * ray.direction - p).norm() <= 2 * ray.error) first = at;
     };
     consider(a);
-    // Where the line and the edge are nearest: across the ray, the edge is nearest to 0.
+    // The line and the edge are nearest where the edge, seen across the ray, is nearest to 0.
     const Vector across = edge - ray.direction.dot(edge) / squared * ray.direction;
     const double length = across.squaredNorm();
     if (length > 0) consider(a + std::clamp(-across.dot(a) / length, 0.0, 1.0) * edge);

@@ -113,7 +113,7 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   /// it. The first call finds them. Thread safe.
   const std::shared_ptr<const std::vector<std::int32_t>>& part_of_vertex() const;
 
-  // What a shape of the same triangles knows already, or nothing.
+  // These hold what a shape of the same triangles knows already; they may be empty.
   mutable std::vector<std::int32_t> known_twin;
   mutable std::shared_ptr<const std::vector<std::int32_t>> known_parts;
 

@@ -39,7 +39,7 @@ std::vector<Ray> make_rays(const TriangleMesh& mesh, int count, int aimed_of_ten
     Vector target = box.center() + half.cwiseProduct(random.point(1));
     if (random.integer(10) < aimed_of_ten) target = vertex_in(mesh, random);
     ray.direction = (target - ray.origin).normalized();
-    // What single precision holds, so that all engines answer the same rays.
+    // Rays are rounded to single precision, so that all engines answer the same ones.
     ray.origin = ray.origin.cast<float>().cast<double>();
     ray.direction = ray.direction.cast<float>().cast<double>();
     rays.push_back(ray);

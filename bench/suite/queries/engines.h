@@ -11,7 +11,7 @@
 
 namespace encage::queries {
 
-/// What an engine says of one ray.
+/// An engine's answer to one ray.
 struct FirstHit {
   bool hit = false;
   double t = 0;
