@@ -15,7 +15,7 @@ namespace encage {
 
 /// Passes pairs of nearby triangles to the narrow phase, interval by interval, until it is done or has taken its budget
 /// of work. A quarter of it is for ties, contacts that begin as early as the first one: each may be the result.
-class FirstContactSearch {
+class ENCAGE_HIDDEN FirstContactSearch {
  public:
   FirstContactSearch(PairContact& narrow, const ContactOptions& options)
       : narrow_(narrow), options_(options), steps_(options.most_steps), steps_for_ties_(options.most_steps / 4) {
