@@ -14,7 +14,6 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-/// The optimal triangulation costs up to the cube of this.
 constexpr std::size_t longest_optimal_loop = 200;
 
 struct BoundaryEdge {
@@ -33,7 +32,9 @@ std::vector<CGAL::Triple<int, int, int>> optimal_triangles(const TriangleMesh& m
   }
   std::vector<CGAL::Triple<int, int, int>> result;
   try {
-    CGAL::Polygon_mesh_processing::triangulate_hole_polyline(points, beyond, std::back_inserter(result));
+    // Among Delaunay triangles alone, the search would be quicker, but ties would depend on addresses in memory.
+    CGAL::Polygon_mesh_processing::triangulate_hole_polyline(points, beyond, std::back_inserter(result),
+                                                             CGAL::parameters::use_delaunay_triangulation(false));
   } catch (const std::exception&) {
     result.clear();  // CGAL's preconditions do not allow every loop
   }
@@ -97,10 +98,13 @@ std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& ed
   return loops;
 }
 
-void cap_loop(const TriangleMesh& mesh, const Loop& loop, std::vector<std::array<std::int32_t, 3>>& triangles) {
+void cap_loop(const TriangleMesh& mesh, const Loop& loop, std::vector<std::array<std::int32_t, 3>>& triangles,
+              std::int64_t& work) {
   std::vector<std::int32_t> vertices;
   for (const Side s : loop) vertices.push_back(head(mesh.triangles, s));
-  if (loop.size() > 3 && loop.size() <= longest_optimal_loop) {
+  const auto size = static_cast<std::int64_t>(loop.size());
+  if (size > 3 && loop.size() <= longest_optimal_loop && size * size * size <= work) {
+    work -= size * size * size;
     const std::vector<CGAL::Triple<int, int, int>> optimal = optimal_triangles(mesh, loop);
     for (const CGAL::Triple<int, int, int>& t : optimal) {
       std::array<int, 3> corners = {t.first, t.second, t.third};

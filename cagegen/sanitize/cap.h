@@ -21,7 +21,9 @@ using Loop = std::vector<Side>;
 std::vector<Loop> boundary_loops(const Triangles& triangles, const EdgeTable& edges, const Components& components);
 
 /// Triangles that span a loop, on its vertices: by minimal dihedral angles, surface included, and area (Liepa 2003, in
-/// CGAL); by ears where that fails or the loop is long.
-void cap_loop(const TriangleMesh& mesh, const Loop& loop, std::vector<std::array<std::int32_t, 3>>& triangles);
+/// CGAL); by ears where that fails or the loop is long. The former takes the cube of the loop's length from `work`, and
+/// gives way to ears where less is left.
+void cap_loop(const TriangleMesh& mesh, const Loop& loop, std::vector<std::array<std::int32_t, 3>>& triangles,
+              std::int64_t& work);
 
 }  // namespace encage::io

@@ -168,8 +168,9 @@ Edges inspect(const Triangles& triangles, const EdgeTable& table) {
 
 void append_caps(EnclosingSurface& surface, const EdgeTable& edges, const io::Components& components) {
   std::vector<std::array<std::int32_t, 3>> caps;
+  std::int64_t work = 400'000'000;  // some 5 s
   for (const io::Loop& loop : io::boundary_loops(surface.mesh.triangles, edges, components)) {
-    io::cap_loop(surface.mesh, loop, caps);
+    io::cap_loop(surface.mesh, loop, caps, work);
     ++surface.loops;
   }
   Triangles& triangles = surface.mesh.triangles;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <random>
 #include <set>
 
@@ -245,6 +246,25 @@ TEST(Sanitize, CapsALongBorder) {
   EXPECT_EQ(source.report.capped_loops, 1);
   EXPECT_EQ(source.cap_count, 398);
   EXPECT_GT(source.volume, 0.1);
+}
+
+TEST(Sanitize, CapsDoNotDependOnMemory) {
+  // Along a flat, regular border many triangulations are equally good.
+  const TriangleMesh flat = sheet(8, [](double x, double y) { return x / 2 + y / 3; });
+  const TriangleMesh wavy = sheet(8, [](double x, double y) { return 0.8 - x / 2 - y / 3 - std::sin(7 * x) / 20; });
+  const TriangleMesh input = joined({flat, wavy});
+  const SourceMesh first = sanitize(input);
+  ASSERT_EQ(first.solid, Solid::capped);
+  std::vector<std::unique_ptr<char[]>> holes;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 200 * i; ++k) {
+      auto block = std::make_unique<char[]>(20 + static_cast<std::size_t>(k) * 7 % 600);
+      if (k % 3 == 0) holes.push_back(std::move(block));
+    }
+    const SourceMesh again = sanitize(input);
+    ASSERT_EQ(again.clean.triangles, first.clean.triangles) << i;
+    ASSERT_EQ(again.obstacle.triangles, first.obstacle.triangles) << i;
+  }
 }
 
 TEST(Sanitize, ClosesASlit) {
