@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace encage {
@@ -114,27 +115,27 @@ class RayQuery {
 
   RayResult result() const {
     RayResult result;
-    if (entered_ && (best_.triangle < 0 || *entered_ <= best_.t)) {
-      result.hit.t = *entered_;
+    if (unknown() && (best_.triangle < 0 || entered_ <= best_.t)) {
+      result.hit.t = entered_;
       return result;
     }
     result.answer = best_.triangle < 0 ? RayAnswer::miss : RayAnswer::hit;
     result.hit = best_;
     return result;
   }
-  bool unknown() const { return entered_.has_value(); }
+  bool unknown() const { return !std::isnan(entered_); }
 
  private:
   void note_cage(const PosedPart& part) {
     const std::optional<double> at = enters_cage(part, ray_);
-    if (at && !(entered_ && *entered_ <= *at)) entered_ = at;
+    if (at && !(entered_ <= *at)) entered_ = *at;
   }
   double last() const { return best_.triangle < 0 ? infinity : best_.t; }
 
   const Ray& ray_;
   const RayOptions& options_;
   RayHit best_;
-  std::optional<double> entered_;  // a body without a fine mesh
+  double entered_ = std::numeric_limits<double>::quiet_NaN();  // a body without a fine mesh, if a number
 };
 
 RayResult unknown_from(const Ray& ray) {

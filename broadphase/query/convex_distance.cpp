@@ -14,11 +14,11 @@ using Vector = Eigen::Vector3d;
 
 /// Differences of points of the hull and corners, whose own hull is searched for the point nearest to the origin.
 struct Simplex {
-  std::array<Vector, 4> points;
+  std::array<Vector, 4> points = {Vector::Zero(), Vector::Zero(), Vector::Zero(), Vector::Zero()};
   int count = 0;
 
   void keep(std::initializer_list<int> which) {
-    std::array<Vector, 4> kept;
+    std::array<Vector, 4> kept = points;
     int n = 0;
     for (const int i : which) kept[static_cast<std::size_t>(n++)] = points[static_cast<std::size_t>(i)];
     points = kept;
