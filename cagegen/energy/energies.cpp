@@ -2,7 +2,6 @@
 #include "cagegen/energy/vertex_areas.h"
 
 #include <encage/energy.h>
-#include <encage/error.h>
 
 #include <array>
 #include <cstdint>
@@ -23,6 +22,8 @@ class Displacement : public CageEnergy {
   Vertices gradient(const EnergyState& state) const override {
     return 2 * (vertex_areas(state.rest).asDiagonal() * (state.cage - origin(state)));
   }
+
+  int degree() const override { return 4; }
 
   /// Newton's step: half the gradient over the area leads to the origin.
   std::optional<double> first_step() const override { return 0.5; }
@@ -45,6 +46,7 @@ class StepEnergy final : public Displacement {
 class VolumeEnergy final : public CageEnergy {
  public:
   std::string name() const override { return "volume"; }
+  int degree() const override { return 3; }
 
   double value(const EnergyState& state) const override {
     // Relative to a vertex: the sum stays small far from the origin.
@@ -107,15 +109,6 @@ EnergyPtr step_energy() {
 EnergyPtr volume_energy() {
   static const EnergyPtr energy = std::make_shared<VolumeEnergy>();
   return energy;
-}
-
-EnergyPtr find_energy(std::string_view name) {
-  std::string known;
-  for (const EnergyPtr& energy : {start_energy(), step_energy(), volume_energy()}) {
-    if (energy->name() == name) return energy;
-    known += (known.empty() ? "" : ", ") + energy->name();
-  }
-  throw Error("no energy is called '" + std::string(name) + "'; known: " + known);
 }
 
 }  // namespace encage

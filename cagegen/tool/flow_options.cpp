@@ -38,7 +38,7 @@ CLI::Option* add_energy(CLI::App& app, const std::string& option, EnergyPtr& ene
             }
           },
           description)
-      ->type_name("start|step|volume");
+      ->type_name("start|step|volume|sarap|SUM");
 }
 
 }  // namespace
@@ -55,7 +55,8 @@ void FlowOptions::add(CLI::App& app, BakeOptions& options, const std::vector<CLI
   for (CLI::Option* other : levels) coarse->excludes(other);
   CLI::Option* inflate = add_energy(app, "--energy-inflate", options.energy_inflate,
                                     "What the flow's re-inflation keeps small: displacement from the coarse mesh "
-                                    "(start) or per step (default step), or the volume");
+                                    "(start) or per step (default step), the volume, bending and "
+                                    "stretching of the surface (sarap), or a sum such as volume+0.1*sarap");
   CLI::Option* final = add_energy(app, "--energy-final", options.energy_final,
                                   "What is minimised after the re-inflation (default volume)");
   CLI::Option* path =

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ENCAGE_EXPORT encage {
 
@@ -39,6 +40,9 @@ class CageEnergy {
   /// How many times the descent a first step goes; shorter ones follow where that does not lower the energy. No value,
   /// the default: as many as move the cage by a few percent of its edges.
   virtual std::optional<double> first_step() const { return std::nullopt; }
+  /// The power of a length that the value grows with: a scene of twice the size has 2^degree() times the value.
+  /// weighted_sum() makes the weights independent of the unit of length by it. By default 3, as of a volume.
+  virtual int degree() const { return 3; }
 };
 
 using EnergyPtr = std::shared_ptr<const CageEnergy>;
@@ -51,7 +55,24 @@ EnergyPtr step_energy();
 /// single vertices.
 EnergyPtr volume_energy();
 
-/// The energy of this name. Throws Error, which lists the names, if there is none.
+/// How far the cage's surface is from C^ turned and bent: as rigid as possible (Sorkine & Alexa 2007, "As-rigid-as-
+/// possible surface modeling"), eq. 14, with the uniform weights of the equation. A square of a length. Keeps shape and
+/// spacing of the coarse triangles, at the price of a looser fit. Name "sarap".
+EnergyPtr surface_arap_energy();
+
+struct WeightedEnergy {
+  double weight = 1;  ///< > 0, finite
+  EnergyPtr energy;
+};
+
+/// The sum of energies, in units of a volume: each is multiplied by its weight and by the power of the diagonal of C^
+/// that its degree() leaves of 3. So the same weights serve a model in metres and in millimetres. The name is that of
+/// the terms, as in "volume+0.1*sarap". A single energy of weight 1 is returned as it is. Throws Error for no terms, a
+/// null energy, and a weight that is not positive and finite, with the energy's name.
+EnergyPtr weighted_sum(std::vector<WeightedEnergy> terms);
+
+/// The energy of this name, or a weighted_sum() of names: "volume+0.1*sarap". Throws Error, which lists the names, if
+/// there is none, and for a weight that is not a positive number.
 EnergyPtr find_energy(std::string_view name);
 
 }  // namespace encage
