@@ -2,6 +2,7 @@
 #include "cagegen/bake/level_maker.h"
 
 #include "cagegen/bake/level_work.h"
+#include "cagegen/certify/connectivity.h"
 #include "cagegen/decimate/planar_faces.h"
 #include "cagegen/sanitize/union_surface.h"
 #include "cagegen/threads/run_reporting.h"
@@ -18,6 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double planar_tolerance = 1e-6;  // diagonals; a tenth of the usual clearance
+constexpr double widest_room = 2e-3;       // diagonals between parts of a level, for the coarser levels
 // Up to so many faces the starts, of so many times the faces, are better the fewer triangles planes have.
 constexpr std::int64_t few_faces = 150, start_faces = 8;
 
@@ -62,14 +64,21 @@ std::optional<MadeLevel> LevelMaker::make(const MadeLevel* finer, const LevelTar
   request.faces = target.faces;
   request.diagonal = source_.diagonal;
   request.clearance = options_.min_clearance * source_.diagonal;
+  // Large clearances leave no room for as many more between parts of the mesh.
   request.self_clearance =
-      makers::self_clearances_of_a_level * static_cast<double>(1 + target.coarser) * request.clearance;
+      std::min(makers::self_clearances_of_a_level * static_cast<double>(1 + target.coarser) * request.clearance,
+               std::max(request.clearance, widest_room * source_.diagonal));
   request.topology = options_.topology;
   request.threads = threads_;
   request.log = [&](std::string_view message) { journal_.add(std::string(message)); };
   job.solid = finer != nullptr ? Solid::closed : source_.solid;
   job.coarse = target.coarse;
   if (finer != nullptr && finer->undeformed.triangles.rows() > 0) job.undeformed = &finer->undeformed;
+  if (finer != nullptr) {
+    job.genus = finer->level.certificate.genus;
+  } else if (request.manifold && options_.topology != Topology::any) {
+    job.genus = proof::connectivity(*request.clean).genus;
+  }
   job.expendable = finer != nullptr;
 
   LevelWork work(job, options_, journal_, control_);

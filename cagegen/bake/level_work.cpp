@@ -96,9 +96,10 @@ std::optional<LevelWork::Result> LevelWork::run() {
   }
   // The flow was stopped, and there need not be a level.
   if (gave_up_ || flow_.abandoned) return std::nullopt;
-  failure_ = !failed_.empty()   ? failed_
-             : refused_.empty() ? all.back().maker->failure()
-                                : refused_ + ": the certificate refuses the cage";
+  failure_ = !failed_.empty()    ? failed_
+             : !handles_.empty() ? handles_
+             : refused_.empty()  ? all.back().maker->failure()
+                                 : refused_ + ": the certificate refuses the cage";
   return std::nullopt;
 }
 
@@ -180,8 +181,21 @@ std::optional<Certificate> LevelWork::accept(const Candidate& candidate) {
     journal_.add("candidate refused by the certificate: " + candidate.start + ": " + proof.reason);
     return std::nullopt;
   }
-  if (options_.topology == Topology::keep && proof.certificate.no_new_handles == false) return std::nullopt;
+  if (!topology_suits(proof.certificate, candidate)) return std::nullopt;
   return std::move(proof.certificate);
+}
+
+bool LevelWork::topology_suits(const Certificate& certificate, const Candidate& candidate) {
+  if (options_.topology == Topology::any) return true;
+  const bool keeps = options_.topology == Topology::keep;
+  const bool suits = certificate.no_new_handles != false && !(keeps && job_.genus && certificate.genus != *job_.genus);
+  if (!suits) {
+    handles_ = "no cage of " + std::to_string(job_.request.faces) + " faces has " + (keeps ? "the " : "at most the ") +
+               std::to_string(job_.genus.value_or(0)) + " handles of the level before: that from " + candidate.start +
+               " has " + std::to_string(certificate.genus);
+    journal_.add("candidate refused: " + handles_);
+  }
+  return suits;
 }
 
 /// Candidates of a flow that was told to stop, but was done before it noticed, are finished as all others.

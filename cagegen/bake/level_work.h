@@ -22,6 +22,7 @@ struct LevelJob {
   Solid solid = Solid::closed;               ///< what the inner mesh bounds
   const TriangleMesh* coarse = nullptr;      ///< of the flow: made by the user, local frame
   const TriangleMesh* undeformed = nullptr;  ///< the inner mesh as decimated, if it was made by flow
+  std::optional<int> genus;                  ///< of the inner mesh; no value if it is no closed manifold
   bool expendable = false;                   ///< there are levels already: this one may be left out when time is up
 };
 
@@ -57,6 +58,7 @@ class LevelWork {
   };
 
   std::vector<Maker> makers(const makers::Obstacle& obstacle);
+  bool topology_suits(const Certificate& certificate, const makers::Candidate& candidate);
   void begin_finishing();
   std::vector<Contender> next_batch(const std::vector<Maker>& makers);
   std::vector<makers::Candidate> next_of(const Maker& maker);
@@ -73,6 +75,7 @@ class LevelWork {
   std::mutex stage_mutex_;  ///< guards what time_is_up() decides: nothing is stopped once finishing has begun
   std::atomic<bool> finishing_{false};
   bool gave_up_ = false;  ///< the flow was stopped in this batch or one before
+  std::string handles_;   ///< why the last candidate with too many or too few handles was refused
   std::string refused_;   ///< the start of the last candidate that the certificate refused
   std::mutex failed_mutex_;
   std::string failed_;  ///< what a maker threw last

@@ -22,6 +22,7 @@ namespace {
 // Decided by experiment on octopus, fandisk, elephant and armadillo.
 constexpr double collapse_quadric_weight = 10;
 constexpr double offset_height = 2e-4;                   // height of an offset start, diagonals
+constexpr double offset_clearances = 3;                  // and at least as many clearances
 constexpr std::int64_t most_hull_faces = 8;              // of the target's, above which a hull is decimated
 constexpr std::uint64_t work_per_level = 2'000'000'000;  // triangle tests of one candidate
 constexpr double rivals_excess = 1.5;                    // that settling may make up for, in the tightest's
@@ -85,9 +86,13 @@ std::string name(const Start& start) {
   return {};
 }
 
+double start_height(const LevelRequest& request) {
+  return std::max(offset_height * request.diagonal, offset_clearances * request.clearance);
+}
+
 std::optional<TriangleMesh> make_decimation(double parameter, const Obstacle& obstacle, const LevelRequest& request) {
   const TriangleMesh& clean = *request.clean;
-  const double height = offset_height * request.diagonal;
+  const double height = start_height(request);
   const double available = static_cast<double>(clean.triangles.rows());
   // Coarse decimations fold or cut through more often: then a finer one.
   double faces = parameter * static_cast<double>(request.faces);
@@ -110,7 +115,7 @@ std::optional<TriangleMesh> make_start(Start& start, const Obstacle& obstacle, c
       TriangleMesh hull = hull_start(obstacle, *frame, request.clearance);
       const std::int64_t most = most_hull_faces * request.faces;
       if (hull.triangles.rows() <= most) return hull;
-      return offset_start(obstacle, simplify(hull, most), offset_height * request.diagonal, true, request.clearance);
+      return offset_start(obstacle, simplify(hull, most), start_height(request), true, request.clearance);
     }
     case Start::Kind::box: return box_start(obstacle, *frame, request.clearance);
     case Start::Kind::tetrahedron: return tetrahedron_start(obstacle, *frame, request.clearance);

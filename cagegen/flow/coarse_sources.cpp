@@ -20,6 +20,8 @@ constexpr std::int64_t dense_faces = 12;  // of the target's: what a decimation 
 constexpr std::int64_t least_dense = 50'000;
 constexpr std::int64_t most_wrapped = 10'000;  // triangles up to which wraps flow too where others compete
 constexpr double part_gap = 10;                // clearances between parts of a coarse mesh
+constexpr double least_part_gap = 3;           // of large clearances, which leave no room for as many
+constexpr double wide_part_gap = 2e-3;         // diagonals; part_gap clearances are less, unless these are large
 
 /// Parts inside others, and voids, are not worth a cage's triangles.
 std::optional<TriangleMesh> usable(std::optional<TriangleMesh> mesh) {
@@ -53,7 +55,8 @@ TriangleMesh thinned(const TriangleMesh& mesh, std::int64_t faces) {
 std::vector<CoarseSource> coarse_sources(const LevelRequest& request, const FlowChoices& choices,
                                          const std::function<void()>& check) {
   std::vector<CoarseSource> sources;
-  const double gap = part_gap * request.clearance;
+  const double gap = std::min(part_gap * request.clearance,
+                              std::max(least_part_gap * request.clearance, wide_part_gap * request.diagonal));
   if (choices.coarse != nullptr) {
     return {{"user", [&choices]() -> std::optional<TriangleMesh> {
                TriangleMesh mesh = *choices.coarse;

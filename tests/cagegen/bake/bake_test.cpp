@@ -157,6 +157,21 @@ TEST(Bake, TwoComponentsFarApart) {
   bake_certified(joined(sphere(3), moved(scaled(sphere(2), 0.01), {40, 3, 2})), {200, 50});
 }
 
+TEST(Bake, PartsStayApartAtLargeClearances) {
+  // Two plates of 1 x 1 x 0.25; their hull has 1.25 times their volume.
+  const TriangleMesh plates = joined(gridded_box(8, {1, 1, 0.25}), moved(gridded_box(8, {1, 1, 0.25}), {0, 0, 0.375}));
+  double largest = 1.0001;
+  for (const double clearance : {1e-4, 1e-3, 3e-3}) {
+    BakeOptions options = with_faces({24});
+    options.min_clearance = clearance;
+    const CageHierarchy cages = bake(plates, options);
+    EXPECT_EQ(cages.levels[0].certificate.components, 2);
+    EXPECT_GT(*cages.levels[0].certificate.volume_ratio, largest);
+    largest = 1 + 40 * clearance;
+    EXPECT_LT(*cages.levels[0].certificate.volume_ratio, largest);
+  }
+}
+
 TEST(Bake, OpenBoxIsCapped) {
   TriangleMesh open = gridded_box(5, {1, 1, 1});
   open.triangles.conservativeResize(open.triangles.rows() - 50, 3);
@@ -251,6 +266,15 @@ TEST(Bake, Topology) {
   BakeOptions options = with_faces({200, 60});
   options.topology = Topology::keep;
   for (const CageLevel& level : bake(ring, options).levels) EXPECT_EQ(level.certificate.genus, 1);
+  // Eight triangles are too few for a ring.
+  options.faces = {8};
+  try {
+    bake(ring, options);
+    FAIL() << "a ring of eight triangles";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("8 faces"), std::string::npos) << error.what();
+  }
+  options.faces = {200, 60};
   // A hole too narrow to be worth a handle.
   options.topology = Topology::simplify;
   const CageHierarchy simple = bake(torus(1, 0.98, 60, 30), options);
