@@ -122,14 +122,14 @@ void rollback(benchmark::State& state, const ShapePtr& shape) {
   report(state, state.range(0), 0);
 }
 
-/// Rays from within a crowd into all directions.
-std::vector<Ray> rays_among(const std::vector<Motion>& motions) {
+/// Rays from beside each body of a crowd to a place beside another one.
+std::vector<Ray> rays_among(const std::vector<Motion>& motions, double radius) {
   shapes::Random random(5);
   std::vector<Ray> rays;
   for (const Motion& from : motions) {
     const auto to = static_cast<std::size_t>(random.integer(static_cast<int>(motions.size())));
-    rays.push_back({.origin = from.start.translation() + random.point(1),
-                    .direction = motions[to].start.translation() + random.point(1) - from.start.translation()});
+    rays.push_back({.origin = from.start.translation() + random.point(radius),
+                    .direction = motions[to].start.translation() + random.point(radius) - from.start.translation()});
     if (rays.back().direction.isZero(0)) rays.back().direction = Eigen::Vector3d::UnitX();
   }
   return rays;
@@ -142,7 +142,7 @@ enum class RayCaster { tree, changed, every_body };
 void world_rays(benchmark::State& state, const ShapePtr& shape, RayCaster caster) {
   Crowd c(state.range(0), shape);
   if (caster == RayCaster::tree) c.world.update_boxes();
-  const std::vector<Ray> rays = rays_among(c.motions);
+  const std::vector<Ray> rays = rays_among(c.motions, shape->simple().frame.radius);
   const auto every_body = [&](const Ray& ray) {
     WorldRayHit first;
     for (std::size_t i = 0; i < c.bodies.size(); ++i) {
