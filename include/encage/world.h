@@ -229,7 +229,7 @@ class World {
 
   /// Brings the tree of bodies up to date with all changes, as the search does, for the queries of
   /// <encage/world_queries.h>: they ask bodies that have changed since one after the other. Pairs and events stay as
-  /// they are. Some 0.3 microseconds for each body that has changed. Throws Error for a bad number of threads.
+  /// they are. Under a microsecond for each body that has changed. Throws Error for a bad number of threads.
   void update_boxes(const Executor& executor = {});
 
   // References stay valid until the next call of a non-const function.
