@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two copies of a baked model, 100 apart. One moves towards the other by DISTANCE: may they touch?
+// And what does a ray along the x axis hit first?
 #include <encage/encage.h>
 
 #include <cstdio>
@@ -18,6 +19,8 @@ int main(int argc, char** argv) try {
                 pair.triangles.size());
   });
   std::printf("%d bodies searched\n", static_cast<int>(world.body_count()));
+  const encage::WorldRayHit hit = encage::cast_ray(world, {.origin = {-1000, 0, 0}, .direction = {1, 0, 0}});
+  if (hit.answer == encage::RayAnswer::hit) std::printf("a ray along x hits body %u\n", index(hit.object.body));
 } catch (const encage::Error& error) {
   return std::fprintf(stderr, "world: %s\n", error.what()), 2;
 }

@@ -5,6 +5,7 @@
 #include "oracles/meshes.h"
 
 #include <encage/world.h>
+#include <encage/world_queries.h>
 
 #include <cmath>
 #include <vector>
@@ -121,6 +122,46 @@ void rollback(benchmark::State& state, const ShapePtr& shape) {
   report(state, state.range(0), 0);
 }
 
+/// Rays from beside each body of a crowd to a place beside another one.
+std::vector<Ray> rays_among(const std::vector<Motion>& motions, double radius) {
+  shapes::Random random(5);
+  std::vector<Ray> rays;
+  for (const Motion& from : motions) {
+    const auto to = static_cast<std::size_t>(random.integer(static_cast<int>(motions.size())));
+    rays.push_back({.origin = from.start.translation() + random.point(radius),
+                    .direction = motions[to].start.translation() + random.point(radius) - from.start.translation()});
+    if (rays.back().direction.isZero(0)) rays.back().direction = Eigen::Vector3d::UnitX();
+  }
+  return rays;
+}
+
+enum class RayCaster { tree, changed, every_body };
+
+/// First hits of rays in a world of bodies at rest: by its tree, by boxes of bodies that have changed, or by asking
+/// every body. The share of rays that hit comes as a counter.
+void world_rays(benchmark::State& state, const ShapePtr& shape, RayCaster caster) {
+  Crowd c(state.range(0), shape);
+  if (caster == RayCaster::tree) c.world.update_boxes();
+  const std::vector<Ray> rays = rays_among(c.motions, shape->simple().frame.radius);
+  const auto every_body = [&](const Ray& ray) {
+    WorldRayHit first;
+    for (std::size_t i = 0; i < c.bodies.size(); ++i) {
+      const RayResult result = cast_ray(*shape, c.motions[i], ray);
+      if (result.answer == RayAnswer::miss) continue;
+      if (first.answer != RayAnswer::miss && first.hit.t <= result.hit.t) continue;
+      first = {result.answer, {.body = c.bodies[i]}, result.hit};
+    }
+    return first;
+  };
+  const auto ask = [&](const Ray& ray) {
+    return caster == RayCaster::every_body ? every_body(ray) : cast_ray(c.world, ray);
+  };
+  std::int64_t hits = 0;
+  for (const Ray& ray : rays) hits += ask(ray).answer == RayAnswer::hit;
+  state.counters["hit"] = static_cast<double>(hits) / static_cast<double>(rays.size());
+  ask_in_turn(state, rays, ask);
+}
+
 }  // namespace
 
 void add_worlds(const Workload& w) {
@@ -137,6 +178,15 @@ void add_worlds(const Workload& w) {
   benchmark::RegisterBenchmark("stage/world_rollback", [&w](benchmark::State& state) { rollback(state, w.shape); })
       ->Arg(1'000)
       ->Arg(10'000);
+  if (w.shape->simple().fine.empty()) return;
+  const auto add_rays = [&w](const char* name, RayCaster caster) {
+    benchmark::RegisterBenchmark(name, [&w, caster](benchmark::State& state) { world_rays(state, w.shape, caster); })
+        ->Arg(100)
+        ->Arg(1'000);
+  };
+  add_rays("stage/world_rays/tree", RayCaster::tree);
+  add_rays("stage/world_rays/changed", RayCaster::changed);
+  add_rays("stage/world_rays/every_body", RayCaster::every_body);
 }
 
 }  // namespace encage::micro

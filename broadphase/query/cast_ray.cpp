@@ -14,11 +14,6 @@
 namespace encage {
 namespace {
 
-bool is_usable(const Ray& ray) {
-  return ray.origin.cwiseAbs().maxCoeff() <= largest_length && ray.origin.allFinite() && ray.direction.allFinite() &&
-         !ray.direction.isZero(0) && !std::isnan(ray.t_min) && !std::isnan(ray.t_max);
-}
-
 TriangleD corners_of(const Surface& surface, std::int32_t triangle) {
   const auto& v = surface.mesh.triangles[static_cast<std::size_t>(triangle)];
   const auto corner = [&](int k) { return surface.vertex(static_cast<std::int32_t>(v[static_cast<std::size_t>(k)])); };

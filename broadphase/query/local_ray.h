@@ -16,6 +16,12 @@
 
 namespace encage {
 
+/// True if queries may use the ray.
+inline bool is_usable(const Ray& ray) noexcept {
+  return ray.origin.cwiseAbs().maxCoeff() <= largest_length && ray.origin.allFinite() && ray.direction.allFinite() &&
+         !ray.direction.isZero(0) && !std::isnan(ray.t_min) && !std::isnan(ray.t_max);
+}
+
 /// A ray in the local frame of a surface, beginning near the middle of the surface. Points of it are origin + p *
 /// direction; its parameter p grows by |d|max per unit of Ray::t, d being the direction in the world.
 struct LocalRay {

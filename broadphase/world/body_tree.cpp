@@ -127,6 +127,7 @@ void BodyTree::make_room_for(std::size_t slots, std::size_t leaves) {
 void BodyTree::remove(Leaf leaf) noexcept {
   Entry& entry = leaves_[leaf];
   if (entry.moved != none) {
+    make_stale(leaf);
     moved_[entry.moved] = moved_.back();
     leaves_[moved_[entry.moved]].moved = entry.moved;
     moved_.pop_back();
@@ -145,9 +146,20 @@ void BodyTree::remove(Leaf leaf) noexcept {
 
 void BodyTree::touch(Leaf leaf) noexcept {
   fresh_ = false;
-  if (has_moved(leaf)) return;
+  if (has_moved(leaf)) return make_stale(leaf);
   leaves_[leaf].moved = static_cast<std::int32_t>(moved_.size());
   moved_.push_back(leaf);
+}
+
+/// Takes a moved leaf out of those that the nodes know.
+void BodyTree::make_stale(Leaf leaf) noexcept {
+  const std::int32_t place = leaves_[leaf].moved;
+  if (place >= placed_) return;
+  const Leaf last = moved_[--placed_];
+  moved_[place] = last;
+  leaves_[last].moved = place;
+  moved_[placed_] = leaf;
+  leaves_[leaf].moved = placed_;
 }
 
 void BodyTree::clear_moved() noexcept {
@@ -157,6 +169,7 @@ void BodyTree::clear_moved() noexcept {
     moved_lanes_[leaves_[leaf].slot / BoxLanes::width] = 0;
   }
   moved_.clear();
+  placed_ = 0;
 }
 
 // ---- Nodes ---------------------------------------------------------------
@@ -166,8 +179,9 @@ void BodyTree::refresh() noexcept {
   const bool worn = is_worn();
   if (worn) order_leaves();
   resize_levels();
-  place_leaves(worn || 4 * moved_.size() > order_.size());
+  place_leaves(worn || 4 * stale().size() > order_.size());
   refit();
+  placed_ = static_cast<std::int32_t>(moved_.size());
   fresh_ = true;
 }
 
@@ -252,7 +266,7 @@ void BodyTree::resize_levels() noexcept {
   for (int k = 0; k < height_; ++k) std::fill(dirty_[k].begin(), dirty_[k].end(), std::uint8_t{1});
 }
 
-/// Places the leaves that have moved, or all of them; all are placed in order of slots, which uses the caches well.
+/// Places the leaves that are stale, or all of them; all are placed in order of slots, which uses the caches well.
 void BodyTree::place_leaves(bool all) noexcept {
   const auto place = [this](Leaf leaf, std::int32_t slot) {
     const std::int32_t node = slot / BoxLanes::width, lane = slot % BoxLanes::width;
@@ -261,7 +275,7 @@ void BodyTree::place_leaves(bool all) noexcept {
     if (has_moved(leaf)) moved_lanes_[node] |= static_cast<std::uint8_t>(1u << lane);
   };
   if (!all) {
-    for (const Leaf leaf : moved_) place(leaf, leaves_[leaf].slot);
+    for (const Leaf leaf : stale()) place(leaf, leaves_[leaf].slot);
     return;
   }
   for (std::int32_t slot = 0; slot < slots(); ++slot) {
@@ -303,6 +317,8 @@ std::string BodyTree::defect() const {
     if (!has_moved(leaf)) continue;
     ++moved;
     if (moved_[leaves_[leaf].moved] != leaf) return name + "not among the moved ones";
+    if (is_stale(leaf)) continue;
+    if (!(levels_[0][slot / BoxLanes::width].at(slot % BoxLanes::width) == box(leaf))) return name + "known elsewhere";
   }
   if (used != size_) return "wrong number of leaves";
   if (moved != static_cast<std::int32_t>(moved_.size())) return "wrong number of moved leaves";
@@ -312,6 +328,7 @@ std::string BodyTree::defect() const {
   }
   if (unused + used != static_cast<std::int32_t>(leaves_.size())) return "lost leaves";
   if (!fresh_) return "";
+  if (!stale().empty()) return "stale leaves after a refresh";
   for (std::int32_t slot = 0; slot < slots(); ++slot) {
     const Leaf leaf = order_[slot];
     const std::int32_t node = slot / BoxLanes::width, lane = slot % BoxLanes::width;

@@ -6,6 +6,8 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -49,6 +51,7 @@ struct alignas(64) BoxLanes {
     }
   }
   void clear(int lane) noexcept { set(lane, empty_box()); }
+  bool is_empty(int lane) const noexcept { return std::isnan(lower[0][lane]); }
   FloatBox at(int lane) const noexcept {
     FloatBox box;
     for (int k = 0; k < 3; ++k) {
@@ -71,8 +74,8 @@ struct alignas(64) BoxLanes {
 /// as ordering takes.
 ///
 /// The tree records which leaves have moved since clear_moved(), and finds pairs for those alone. The same calls give
-/// the same tree and the same order of visits. Changes take effect at refresh(), which must come before searches.
-/// Concurrent queries are safe while nothing changes the tree; only insert() allocates.
+/// the same tree and the same order of visits. Changes take effect at refresh(), which must come before searches,
+/// except for query_in_order(). Concurrent queries are safe while nothing changes the tree; only insert() allocates.
 class BodyTree {
  public:
   using Leaf = std::int32_t;
@@ -94,6 +97,9 @@ class BodyTree {
   bool has_moved(Leaf leaf) const noexcept { return leaves_[leaf].moved != none; }
   std::span<const Leaf> moved() const noexcept { return moved_; }
   void clear_moved() noexcept;
+  /// Returns the leaves that have changed since refresh(): the nodes do not know them as they are.
+  std::span<const Leaf> stale() const noexcept { return moved().subspan(static_cast<std::size_t>(placed_)); }
+  bool is_stale(Leaf leaf) const noexcept { return leaves_[leaf].moved >= placed_; }
 
   const FloatBox& box(Leaf leaf) const noexcept { return leaves_[leaf].box; }
   std::uint32_t item(Leaf leaf) const noexcept { return leaves_[leaf].item; }
@@ -125,6 +131,39 @@ class BodyTree {
       }
     };
     search_moved(margin, call<decltype(each), std::int32_t, std::int32_t, std::uint64_t>, &each);
+  }
+
+  /// Calls visit(item) for the leaves, except stale() ones, whose keys do not exceed bound() when their turn comes; of
+  /// the children of a node those with less keys come first. keys(lanes) returns the keys of eight boxes, NaN for those
+  /// to leave out. The key of a box must not exceed those of boxes in it.
+  template <class Keys, class Bound, class Visit>
+  void query_in_order(const Keys& keys, const Bound& bound, Visit&& visit) const {
+    struct Step {
+      double key;
+      std::int32_t level, index;  // the level of a leaf is -1
+    };
+    std::array<Step, most_levels * BoxLanes::width> stack;
+    std::size_t size = 0;
+    if (height_ > 0) stack[size++] = {-infinite, height_ - 1, 0};
+    while (size > 0) {
+      const Step step = stack[--size];
+      if (step.key > bound()) continue;
+      if (step.level < 0) {
+        visit(items_[static_cast<std::size_t>(step.index)]);
+        continue;
+      }
+      const BoxLanes& lanes = levels_[static_cast<std::size_t>(step.level)][static_cast<std::size_t>(step.index)];
+      const std::array<double, BoxLanes::width> near = keys(lanes);
+      const std::size_t first = size;
+      for (int lane = 0; lane < BoxLanes::width; ++lane) {
+        const std::int32_t index = BoxLanes::width * step.index + lane;
+        if (!(near[lane] <= bound()) || lanes.is_empty(lane)) continue;
+        if (step.level == 0 && is_stale(order_[static_cast<std::size_t>(index)])) continue;
+        std::size_t place = size++;
+        for (; place > first && stack[place - 1].key < near[lane]; --place) stack[place] = stack[place - 1];
+        stack[place] = {near[lane], step.level - 1, index};
+      }
+    }
   }
 
   /// For tests: describes a defect of the structure; empty if there is none.
@@ -159,6 +198,7 @@ class BodyTree {
   void search(const FloatBox& box, VisitNode visit, const void* context) const;
   void search_moved(double margin, VisitNodes visit, const void* context);
   void account(std::int64_t nodes) noexcept;
+  void make_stale(Leaf leaf) noexcept;
 
   void make_room_for(std::size_t slots, std::size_t leaves);
   bool is_worn() const noexcept;
@@ -168,8 +208,8 @@ class BodyTree {
   void place_leaves(bool all) noexcept;
   void refit() noexcept;
 
-  std::vector<Entry> leaves_;  // indexed by Leaf
-  std::vector<Leaf> moved_;
+  std::vector<Entry> leaves_;                                 // indexed by Leaf
+  std::vector<Leaf> moved_;                                   // first those that the nodes know as they are
   std::vector<Leaf> order_;                                   // indexed by slot; none if empty
   std::vector<std::uint32_t> items_;                          // indexed by slot
   std::array<std::vector<BoxLanes>, most_levels> levels_;     // level 0 has the slots
@@ -179,6 +219,7 @@ class BodyTree {
   int height_ = 0;  // levels in use
   std::int32_t free_ = none;
   std::int32_t size_ = 0;
+  std::int32_t placed_ = 0;  // how many of moved_ the nodes know
   bool fresh_ = true;
 
   std::int32_t loose_ = 0;  // number of leaves added since the others were ordered

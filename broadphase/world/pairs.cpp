@@ -258,9 +258,9 @@ void World::State::stir_sleepers() noexcept {
   }
 }
 
-/// Computes the boxes of the bodies that have changed, by tasks if there are many.
+/// Computes the boxes of the bodies that have changed since this was called last, by tasks if there are many.
 void World::State::find_boxes(const Executor& executor) {
-  const std::span<const BodyTree::Leaf> moved = tree_.moved();
+  const std::span<const BodyTree::Leaf> moved = tree_.stale();
   const auto find = [&](std::size_t i) {
     const std::uint32_t n = tree_.item(moved[i]);
     bounds_[n].box = usable_box(*shape_of(bodies_[n]), bodies_[n].motion);

@@ -19,6 +19,11 @@ bool same(const PairOptions& a, const PairOptions& b) {
          a.coarsest_cage == b.coarsest_cage && a.fine == b.fine && a.most_steps == b.most_steps;
 }
 
+void check_threads(const char* what, const Executor& executor) {
+  if (executor.threads >= 1) return;
+  throw Error(std::string(what) + ": the number of threads " + std::to_string(executor.threads) + " is not positive");
+}
+
 /// Unlocks a world at the end of a scope.
 struct Unlock {
   bool& locked;
@@ -284,15 +289,21 @@ class World::State::Search {
   CandidateStatistics counts_;
 };
 
+void World::State::update_boxes(const Executor& executor) {
+  check_unlocked();
+  check_threads("update of boxes", executor);
+  scratch_.searching = true;
+  const Unlock unlock{scratch_.searching};
+  find_boxes(executor);
+}
+
 CandidateStatistics World::State::search(const CandidateOptions& options, void (*visit)(void*, const CandidatePair&),
                                          void* context) {
   check_unlocked();
   if (const double margin = options.pair.margin; !(margin >= 0 && margin <= largest_length)) {
     throw Error("candidate options: " + length_defect("margin", margin));
   }
-  if (const int threads = options.executor.threads; threads < 1) {
-    throw Error("candidate options: the number of threads " + std::to_string(threads) + " is not positive");
-  }
+  check_threads("candidate options", options.executor);
   if (options.pair.margin > left_out_margin_) stir_sleepers();
   scratch_.searching = true;
   const Unlock unlock{scratch_.searching};

@@ -44,6 +44,7 @@ class ENCAGE_HIDDEN World::State {
   void set_awake(BodyId body, bool awake);
   void set_deformation(BodyId body, double bound);
   void set_user_data(BodyId body, std::uint64_t data);
+  void update_boxes(const Executor& executor);
   CandidateStatistics search(const CandidateOptions& options, void (*visit)(void*, const CandidatePair&),
                              void* context);
   /// Becomes equal to another state without losing capacity. If it throws, nothing has changed.
@@ -75,6 +76,12 @@ class ENCAGE_HIDDEN World::State {
   const Body& body(BodyId id) const;
   const SharedShape& shape(ShapeId id) const;
   const Plane& half_space(HalfSpaceId id) const;
+
+  // For queries, which know indices only.
+  const BodyTree& tree() const noexcept { return tree_; }
+  const Body& body_at(std::uint32_t n) const noexcept { return bodies_[n]; }
+  const Plane& plane_at(std::uint32_t p) const noexcept { return planes_[p]; }
+  const Shape& shape_at(std::uint32_t n) const noexcept { return *shape_of(bodies_[n]); }
 
   const WorldOptions& options() const noexcept { return options_; }
   BodyCounts body_counts() const noexcept;

@@ -46,6 +46,8 @@ void World::set_awake(BodyId body, bool awake) { state_->set_awake(body, awake);
 void World::set_deformation(BodyId body, double bound) { state_->set_deformation(body, bound); }
 void World::set_user_data(BodyId body, std::uint64_t data) { state_->set_user_data(body, data); }
 
+void World::update_boxes(const Executor& executor) { state_->update_boxes(executor); }
+
 // ---- Questions -----------------------------------------------------------
 
 const Motion& World::motion(BodyId body) const { return state_->body(body).motion; }

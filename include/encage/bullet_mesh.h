@@ -56,9 +56,9 @@ struct BulletMeshShapeOptions {
 /// setMargin() rounds the body: it is the mesh and everything within the margin (world units, unlike the scaling not
 /// multiplied by anything), by default 0. setLocalScaling() takes one factor for all axes and throws Error for others.
 ///
-/// Ray tests of btCollisionWorld find the exact triangles, and give their numbers (part 0; those of a compound are
-/// numbered through all its parts). Contacts need a BulletMeshContacts. Bullet's sweep tests (convexSweepTest) treat
-/// the mesh as its triangles.
+/// Ray tests of btCollisionWorld go through cast_ray() and for_each_hit(): no triangle is missed, and each is given by
+/// its number (part 0; those of a compound are numbered through all its parts). Bullet's flags for back faces hold.
+/// Contacts need a BulletMeshContacts. Sweep tests (convexSweepTest) are Bullet's, of the triangles near the way.
 class BulletMeshShape final : public btConcaveShape {
  public:
   /// Throws Error if the shape is null or has no fine mesh, if an option is out of range, or if the mass properties of
@@ -94,8 +94,8 @@ class BulletMeshShape final : public btConcaveShape {
   /// encloses no volume, that of its bounding box.
   void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
   const char* getName() const override { return "EncageMesh"; }
-  /// Passes all triangles that are in leaves of the tree near the box to the callback; if that is a
-  /// btTriangleRaycastCallback, only those near its ray.
+  /// Passes all triangles that are in leaves of the tree near the box to the callback. A btTriangleRaycastCallback gets
+  /// no triangles but reports of what its ray meets.
   void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override;
 
  private:

@@ -25,3 +25,4 @@
 #include <encage/version.h>
 #include <encage/world.h>
 #include <encage/world_contacts.h>
+#include <encage/world_queries.h>

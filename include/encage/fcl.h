@@ -101,6 +101,10 @@ struct FclDistanceOptions {
 /// least distance so far (the callback's last argument) does not reach the callback, and the search goes on. So it is
 /// for callbacks that look for the least distance, which stays the same up to FCL's own rounding, and not for callbacks
 /// that want to see every pair. Otherwise as FclCollision.
+///
+/// Signed distances (DistanceRequest::enable_signed_distance) are FCL's own: pairs that touch or penetrate reach the
+/// callback, whatever the least distance so far, and so do all pairs once it is not positive. encage::signed_distance()
+/// gives those of points, for the shape and motion of FclShapes::body().
 class FclDistance {
  public:
   FclDistance(const FclShapes& shapes, ::fcl::DistanceCallBack<double> user, void* data,

@@ -5,6 +5,7 @@
 #include "src/tree/visit.h"
 
 #include <encage/bullet_mesh.h>
+#include <encage/queries.h>
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
@@ -103,37 +104,47 @@ btVector3 rounded_down(const Eigen::Vector3d& v) {
 }
 btVector3 rounded_up(const Eigen::Vector3d& v) { return {rounded_up(v.x()), rounded_up(v.y()), rounded_up(v.z())}; }
 
-/// A region in the local frame of a surface: an axis-aligned box, or, with a direction, a part of a ray.
+/// An axis-aligned box in the local frame of a surface.
 class Region {
  public:
   Region(const Eigen::AffineCompact3d& to_local, const Eigen::AlignedBox3d& box)
       : centre_(to_local * box.center()), half_(to_local.linear().cwiseAbs() * (0.5 * box.sizes())) {}
 
-  Region(const Eigen::AffineCompact3d& to_local, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
-         double fraction)
-      : along_(0.5 * fraction * (to_local.linear() * (to - from))), is_ray_(true) {
-    centre_ = to_local * from + along_;
-  }
-
   /// False only if the region is farther than the slack from the box.
   bool meets(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double slack) const {
     const Eigen::Vector3d apart = centre_ - 0.5 * (low + high);
     const Eigen::Vector3d half = (0.5 * (high - low)).array() + slack;
-    if (!is_ray_) return (apart.cwiseAbs().array() <= (half + half_).array()).all();
-    const Eigen::Vector3d length = along_.cwiseAbs();
-    if (!(apart.cwiseAbs().array() <= (half + length).array()).all()) return false;
-    for (int k = 0; k < 3; ++k) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      if (std::abs(apart[i] * along_[j] - apart[j] * along_[i]) > half[i] * length[j] + half[j] * length[i])
-        return false;
-    }
-    return true;
+    return (apart.cwiseAbs().array() <= (half + half_).array()).all();
   }
 
  private:
-  Eigen::Vector3d centre_, half_ = Eigen::Vector3d::Zero(), along_ = Eigen::Vector3d::Zero();
-  bool is_ray_ = false;
+  Eigen::Vector3d centre_, half_;
 };
+
+/// Reports what a ray meets, as btTriangleRaycastCallback::processTriangle() does, to callbacks that shorten the ray
+/// and to others. The ray is in the frame in which the motion places the shape.
+void report_hits(const Shape& shape, const Motion& motion, btTriangleRaycastCallback& callback) {
+  const Ray ray{.origin = bullet::to_eigen(callback.m_from),
+                .direction = bullet::to_eigen(callback.m_to) - bullet::to_eigen(callback.m_from),
+                .t_max = static_cast<double>(callback.m_hitFraction)};
+  const bool front_only = (callback.m_flags & btTriangleRaycastCallback::kF_FilterBackfaces) != 0;
+  const RayOptions options{front_only ? BackFaces::ignore : BackFaces::hit};
+  const auto report = [&](const RayHit& hit) {
+    const auto t = static_cast<btScalar>(hit.t);
+    if (!(t < callback.m_hitFraction) || hit.normal.isZero(0)) return;  // degenerate triangles have neighbours
+    const bool keep = (callback.m_flags & btTriangleRaycastCallback::kF_KeepUnflippedNormal) != 0;
+    const Eigen::Vector3d normal = hit.back_face && !keep ? Eigen::Vector3d(-hit.normal) : hit.normal;
+    callback.m_hitFraction = callback.reportHit(bullet::to_bullet(normal), t, 0, hit.triangle);
+  };
+  const RayResult first = cast_ray(shape, motion, ray, options);
+  if (first.answer != RayAnswer::hit) return;
+  report(first.hit);
+  if (static_cast<double>(callback.m_hitFraction) <= first.hit.t) return;
+  for_each_hit(shape, motion, ray, options, [&](const RayHit& hit) {
+    if (hit.triangle != first.hit.triangle) report(hit);
+    return true;
+  });
+}
 
 /// Bullet's triangles are rounded to btScalar: a ray that just misses a box may hit the rounded triangle.
 double rounding_slack(const Surface& surface, const Eigen::AffineCompact3d& to_local) {
@@ -238,7 +249,10 @@ void BulletMeshShape::calculateLocalInertia(btScalar mass, btVector3& inertia) c
 
 void BulletMeshShape::processAllTriangles(btTriangleCallback* callback, const btVector3& low,
                                           const btVector3& high) const {
-  auto* const ray = dynamic_cast<btTriangleRaycastCallback*>(callback);
+  if (auto* const ray = dynamic_cast<btTriangleRaycastCallback*>(callback)) {
+    report_hits(*shape_, motion(btTransform::getIdentity()), *ray);
+    return;
+  }
   const Eigen::AlignedBox3d box(bullet::to_eigen(low), bullet::to_eigen(high));
   const Eigen::Affine3d asset_to_body = Eigen::Scaling(scale_) * Eigen::Affine3d(asset_to_body_);
   for_each_surface(*shape_, [&](const PlacedSurface& placed) {
@@ -247,12 +261,7 @@ void BulletMeshShape::processAllTriangles(btTriangleCallback* callback, const bt
         asset_to_body * placed.pose * Eigen::Scaling(placed.scale) * Eigen::Translation3d(placed.shape->frame.origin);
     const Eigen::AffineCompact3d to_local(to_body.inverse());
     const double slack = rounding_slack(surface, to_local);
-    const auto region = [&] {
-      return ray ? Region(to_local, bullet::to_eigen(ray->m_from), bullet::to_eigen(ray->m_to),
-                          static_cast<double>(ray->m_hitFraction))
-                 : Region(to_local, box);
-    };
-    Region wanted = region();
+    const Region wanted(to_local, box);
     visit_nodes(surface.tree, [&](const MeshNode& node, auto descend) {
       for (int lane = 0; lane < MeshNode::width && node.count(lane) != MeshNode::unused; ++lane) {
         Eigen::Vector3d lower, upper;
@@ -274,7 +283,6 @@ void BulletMeshShape::processAllTriangles(btTriangleCallback* callback, const bt
           }
           callback->processTriangle(triangle.data(), 0, placed.first_triangle + leaf.triangle);
         }
-        if (ray) wanted = region();  // a hit shortens it
       }
       return true;
     });

@@ -4,8 +4,10 @@
 
 #include <encage/asset.h>
 
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <random>
 #include <set>
@@ -209,6 +211,122 @@ TEST(BulletMeshShape, TellsTheTriangleThatARayHits) {
   w.world.rayTest(from, to, down);
   EXPECT_EQ(down.triangle, 14);  // x + y + z = 3
   EXPECT_NEAR(down.m_hitPointWorld.z(), 3 - 0.5 - 0.6, 1e-5);
+}
+
+// Small triangles far from where the ray begins: Bullet's own test in float falls between them.
+TEST(BulletMeshShape, LetsNoRayPassBetweenItsTriangles) {
+  const TriangleMesh mesh = shapes::sphere(5);
+  MeshWorld w;
+  w.add(w.keep(mesh_shape(mesh)), {0, 0, 0}, 0);
+  std::minstd_rand random(5);
+  std::uniform_real_distribution<float> number(-1, 1);
+  for (int i = 0; i < 2'000; ++i) {
+    // Through a vertex, or a point of an edge, in the middle of the sphere as seen.
+    const Eigen::Index t = static_cast<Eigen::Index>(random() % static_cast<unsigned>(mesh.triangles.rows()));
+    const double part = i % 2 == 0 ? 0 : 0.5 + 0.5 * static_cast<double>(number(random));
+    const Eigen::Vector3d target = (1 - part) * mesh.corner(t, 0) + part * mesh.corner(t, 1);
+    const btVector3 at(static_cast<float>(target.x()), static_cast<float>(target.y()), static_cast<float>(target.z()));
+    const btVector3 outside = 3'000 * at.normalized();
+    btCollisionWorld::ClosestRayResultCallback hit(outside, -outside);
+    w.world.rayTest(outside, -outside, hit);
+    ASSERT_TRUE(hit.hasHit()) << i;
+    EXPECT_NEAR(hit.m_closestHitFraction, 0.5 - 0.5 / 3'000, 1e-5);
+  }
+}
+
+TEST(BulletMeshShape, RaysKeepBulletsFlagsAndFindAllHits) {
+  const TriangleMesh mesh = shapes::torus(1, 0.35, 24, 12);
+  MeshWorld w;
+  w.add(w.keep(mesh_shape(mesh)), {0, 0, 0}, 0);
+  const btVector3 from(-5, 0.03F, 0.02F), to(5, 0.03F, 0.02F);  // through the ring: four sides
+  btCollisionWorld::AllHitsRayResultCallback all(from, to);
+  w.world.rayTest(from, to, all);
+  ASSERT_EQ(all.m_hitFractions.size(), 4);
+  std::array<float, 4> fractions{};
+  for (int i = 0; i < 4; ++i) {
+    fractions[static_cast<std::size_t>(i)] = static_cast<float>(all.m_hitFractions[i]);
+    EXPECT_LT(all.m_hitNormalWorld[i].x(), 0) << "faces the ray";
+  }
+  std::sort(fractions.begin(), fractions.end());
+  EXPECT_NEAR(fractions[0], 0.365, 2e-3);
+  EXPECT_NEAR(fractions[1], 0.435, 2e-3);
+  EXPECT_NEAR(fractions[2], 0.565, 2e-3);
+  EXPECT_NEAR(fractions[3], 0.635, 2e-3);
+  btCollisionWorld::AllHitsRayResultCallback front(from, to), kept(from, to);
+  front.m_flags = btTriangleRaycastCallback::kF_FilterBackfaces;
+  w.world.rayTest(from, to, front);
+  EXPECT_EQ(front.m_hitFractions.size(), 2);
+  kept.m_flags = btTriangleRaycastCallback::kF_KeepUnflippedNormal;
+  w.world.rayTest(from, to, kept);
+  ASSERT_EQ(kept.m_hitNormalWorld.size(), 4);
+  int along = 0;
+  for (int i = 0; i < 4; ++i) along += kept.m_hitNormalWorld[i].x() > 0;
+  EXPECT_EQ(along, 2);
+}
+
+/// All triangles of another shape, whatever the box: brute force for sweeps.
+class EveryTriangle final : public btConcaveShape {
+ public:
+  explicit EveryTriangle(const BulletMeshShape& of) : of_(of) { m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE; }
+  void processAllTriangles(btTriangleCallback* callback, const btVector3&, const btVector3&) const override {
+    of_.processAllTriangles(callback, btVector3(-1e18F, -1e18F, -1e18F), btVector3(1e18F, 1e18F, 1e18F));
+  }
+  void getAabb(const btTransform& body, btVector3& low, btVector3& high) const override {
+    of_.getAabb(body, low, high);
+  }
+  void setLocalScaling(const btVector3&) override {}
+  const btVector3& getLocalScaling() const override { return of_.getLocalScaling(); }
+  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
+  const char* getName() const override { return "every triangle"; }
+
+ private:
+  const BulletMeshShape& of_;
+};
+
+TEST(BulletMeshShape, IsHitBySweepsWhereBruteForceIs) {
+  MeshWorld w, all;
+  auto& shape = w.keep(mesh_shape(shapes::torus(1, 0.35, 32, 16)));
+  shape.setLocalScaling({1.5F, 1.5F, 1.5F});
+  auto& every = all.keep(std::make_unique<EveryTriangle>(shape));
+  every.setMargin(shape.getMargin());
+  const btVector3 place(3, -2, 1);
+  w.add(shape, place, 0).getWorldTransform().setRotation(btQuaternion(btVector3(1, 2, 3).normalized(), 0.7F));
+  all.add(every, place, 0).getWorldTransform().setRotation(btQuaternion(btVector3(1, 2, 3).normalized(), 0.7F));
+  w.world.updateAabbs();
+  all.world.updateAabbs();
+  std::minstd_rand random(6);
+  std::uniform_real_distribution<float> number(-1, 1);
+  const btSphereShape sphere(0.2F);
+  const btBoxShape cuboid(btVector3(0.1F, 0.3F, 0.2F));
+  const btCapsuleShape capsule(0.15F, 0.5F);
+  int hits = 0, misses = 0;
+  for (int i = 0; i < 300; ++i) {
+    const btConvexShape& cast = i % 3 == 0   ? static_cast<const btConvexShape&>(sphere)
+                                : i % 3 == 1 ? static_cast<const btConvexShape&>(cuboid)
+                                             : static_cast<const btConvexShape&>(capsule);
+    const auto point = [&](float size) {
+      return place + size * btVector3(number(random), number(random), number(random));
+    };
+    btTransform from, to;
+    from.setIdentity();
+    from.setRotation(btQuaternion(number(random), number(random), number(random)));
+    to = from;
+    from.setOrigin(point(6));
+    to.setOrigin(point(3));
+    btCollisionWorld::ClosestConvexResultCallback found(from.getOrigin(), to.getOrigin()),
+        expected(from.getOrigin(), to.getOrigin());
+    w.world.convexSweepTest(&cast, from, to, found);
+    all.world.convexSweepTest(&cast, from, to, expected);
+    ASSERT_EQ(found.hasHit(), expected.hasHit()) << i;
+    if (expected.hasHit()) {
+      ++hits;
+      EXPECT_EQ(found.m_closestHitFraction, expected.m_closestHitFraction) << i;
+    } else {
+      ++misses;
+    }
+  }
+  EXPECT_GT(hits, 50);
+  EXPECT_GT(misses, 50);
 }
 
 }  // namespace

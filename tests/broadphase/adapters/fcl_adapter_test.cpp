@@ -217,6 +217,65 @@ TEST(FclAdapter, DistancesNoLessThanTheLeastSoFarAreNotAskedFor) {
   EXPECT_TRUE(asks(-1));
 }
 
+// Pairs that penetrate have no distance that is no less than a positive one, and all pairs reach the callback once the
+// least one so far is not positive.
+TEST(FclAdapter, SignedDistancesAreThoseOfFcl) {
+  int deep = 0, apart = 0;
+  std::int64_t rejected = 0;
+  for (int seed = 20; seed < 32; ++seed) {
+    Scene scene(seed, 14, seed % 2 == 0 ? 4 : 8);
+    ::fcl::DefaultDistanceData<double> expected, got;
+    expected.request.enable_signed_distance = got.request.enable_signed_distance = true;
+    scene.manager.distance(&expected, ::fcl::DefaultDistanceFunction<double>);
+    FclDistance distance(scene.shapes, ::fcl::DefaultDistanceFunction<double>, &got);
+    scene.manager.distance(&distance, FclDistance::callback);
+    if (expected.result.min_distance <= 0) {
+      ++deep;
+      EXPECT_EQ(got.result.min_distance, expected.result.min_distance) << seed;
+    } else {
+      ++apart;
+      EXPECT_NEAR(got.result.min_distance, expected.result.min_distance, 1e-12) << seed;
+    }
+    rejected += distance.statistics().rejected;
+
+    // Every pair that is nearer than a given distance, however deep.
+    for (const double least : {1e-9, 0.3, 0.0, -0.1}) {
+      Pairs reached;
+      FclDistance all(
+          scene.shapes,
+          [](Object* a, Object* b, void* data, double&) {
+            static_cast<Pairs*>(data)->emplace_back(number(a), number(b));
+            return false;
+          },
+          &reached);
+      std::size_t asked = 0;
+      for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        for (std::size_t j = i + 1; j < scene.objects.size(); ++j) {
+          Object *a = scene.objects[i].get(), *b = scene.objects[j].get();
+          double bound = least;
+          FclDistance::callback(a, b, &all, bound);
+          ++asked;
+          ::fcl::DistanceResultd result;
+          ::fcl::DistanceRequestd request;
+          request.enable_signed_distance = true;
+          if (least > 0 && ::fcl::distance(a, b, request, result) < least) {
+            EXPECT_TRUE(!reached.empty() && reached.back() == std::pair(number(a), number(b)))
+                << "distance " << result.min_distance << ", least " << least;
+          }
+        }
+      }
+      if (least <= 0) {
+        EXPECT_EQ(reached.size(), asked);
+      } else {
+        EXPECT_LT(reached.size(), asked);
+      }
+    }
+  }
+  EXPECT_GT(deep, 3);
+  EXPECT_GT(apart, 1);
+  EXPECT_GT(rejected, 0);
+}
+
 TEST(FclAdapter, MarginsKeepPairsThatAreNear) {
   Scene scene(3, 40, 5);
   Pairs contacts, near;

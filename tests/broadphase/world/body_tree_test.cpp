@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -147,10 +148,67 @@ struct TreeTwin {
       ASSERT_EQ(must, may);
     }
   }
+  /// Of a tree that need not be refreshed: the leaves that overlap, and those that are stale.
+  std::vector<std::uint32_t> query_in_order(const FloatBox& box) const {
+    std::vector<std::uint32_t> found;
+    const auto keys = [&](const BoxLanes& lanes) {
+      std::array<double, BoxLanes::width> all;
+      for (int lane = 0; lane < BoxLanes::width; ++lane) {
+        all[lane] = lanes.at(lane).overlaps(box) ? 0 : std::nan("");
+      }
+      return all;
+    };
+    tree.query_in_order(
+        keys, [] { return unbounded; }, [&](std::uint32_t item) { found.push_back(item); });
+    for (const BodyTree::Leaf leaf : tree.stale()) {
+      if (tree.box(leaf).overlaps(box)) found.push_back(tree.item(leaf));
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+  /// The first item of those with the least lower bound.
+  std::uint32_t least_in_order() const {
+    std::uint32_t best = 0;
+    double least = unbounded;
+    const auto keys = [&](const BoxLanes& lanes) {
+      std::array<double, BoxLanes::width> all;
+      for (int lane = 0; lane < BoxLanes::width; ++lane) all[lane] = static_cast<double>(lanes.lower[0][lane]);
+      return all;
+    };
+    const auto look = [&](std::uint32_t item) {
+      const auto key = static_cast<double>(entries.at(item).box.lower[0]);
+      if (key < least || (key == least && item < best)) {
+        least = key;
+        best = item;
+      }
+    };
+    tree.query_in_order(
+        keys, [&] { return least; }, look);
+    for (const BodyTree::Leaf leaf : tree.stale()) look(tree.item(leaf));
+    return best;
+  }
+  std::uint32_t least_of_all() const {
+    std::uint32_t best = entries.begin()->first;
+    for (const auto& [item, entry] : entries) {
+      if (entry.box.lower[0] < entries.at(best).box.lower[0]) best = item;
+    }
+    return best;
+  }
+  void check_queries_in_order(Boxes& boxes) const {
+    for (int i = 0; i < 5; ++i) {
+      const FloatBox box = FloatBox::around(boxes.next());
+      ASSERT_EQ(query_in_order(box), query_all(box));
+    }
+    if (!entries.empty()) {
+      ASSERT_EQ(least_in_order(), least_of_all());
+    }
+  }
   void check(Boxes& boxes) {
     ASSERT_EQ(tree.defect(), "");
+    check_queries_in_order(boxes);
     tree.refresh();
     ASSERT_EQ(tree.defect(), "");
+    check_queries_in_order(boxes);
     ASSERT_EQ(tree.size(), static_cast<int>(entries.size()));
     for (int i = 0; i < 20; ++i) {
       const FloatBox box = FloatBox::around(i % 5 == 0 ? boxes.special() : boxes.next());
@@ -227,6 +285,11 @@ void run_twin(Scene scene, int steps, unsigned seed) {
       twin.remove(any_item());
     } else {
       twin.update(any_item(), FloatBox::around(boxes.next()));
+    }
+    if (i % 100 == 49) {
+      ASSERT_EQ(twin.tree.defect(), "");
+      twin.check_queries_in_order(boxes);
+      if (i % 300 == 49) twin.tree.refresh();
     }
     if (i % 100 == 99) {
       twin.check(boxes);
