@@ -466,6 +466,37 @@ TEST(HeightFields, NearestPointsAreThoseOfTheMesh) {
   }
 }
 
+TEST(HeightFields, OfAnySizeAnswerAsTheirMeshesDo) {
+  shapes::Random random(14);
+  for (const auto& [spacing, height] : {std::pair{1e-30, 1e-30}, std::pair{1e-30, 1e-20}, std::pair{1.0, 1e9},
+                                        std::pair{1e30, 1e36}, std::pair{1e35, 1.0}, std::pair{1e-3, 0.0}}) {
+    Field f(40, 40, spacing);
+    for (float& z : f.heights) z = static_cast<float>(random(-height, height));
+    const ShapePtr shape = f.make();
+    const Twin twin(f);
+    const Motion rest = Motion::resting(Eigen::Isometry3d::Identity());
+    const double size = spacing + height;
+    for (int i = 0; i < 200; ++i) {
+      const std::int32_t c = 1 + random.integer(38), r = 1 + random.integer(38);
+      Vector above = f.vertex(c, r);
+      above.x() += i % 2 == 0 ? 0 : random(0, 0.9) * spacing;
+      above.z() = 2 * height + spacing;
+      const Ray ray{.origin = above, .direction = {0, 0, -1}};
+      const RayResult hit = cast_ray(*shape, rest, ray), expected = cast_ray(*twin.shape, rest, ray);
+      ASSERT_EQ(hit.answer, RayAnswer::hit);
+      ASSERT_EQ(expected.answer, RayAnswer::hit);
+      // Along cliffs the place of a hit is uncertain.
+      if (height <= spacing) {
+        EXPECT_NEAR(hit.hit.t / size, expected.hit.t / size, 1e-5);
+      }
+      const ClosestPoint near = closest_point(*shape, rest, above), near_mesh = closest_point(*twin.shape, rest, above);
+      EXPECT_LE(near.lower, near_mesh.upper);
+      EXPECT_LE(near_mesh.lower, near.upper);
+      EXPECT_LE(near.upper - near.lower, 2.1 * fine_error(*shape) + 1e-12 * 40 * size);
+    }
+  }
+}
+
 // ---- Contacts --------------------------------------------------------------
 
 std::vector<ManifoldPoint> contact_points(const Shape& a, const Motion& motion_a, const Shape& b,
