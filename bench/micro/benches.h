@@ -10,13 +10,14 @@
 
 namespace encage::micro {
 
-// Registers the benches; the workload has to outlive them. Names are stable: kernel/, stage/, load/ and refit/.
+// Registers the benches; the workload has to outlive them. Names are stable: kernel/, stage/, load/, refit/ and field/.
 void add_kernels(const Workload& workload);
 void add_gates(const Workload& workload);
 void add_stages(const Workload& workload);
 void add_worlds(const Workload& workload);
 void add_loads(const Workload& workload);
 void add_refits(const Workload& workload);
+void add_fields();
 
 /// Asks `question` about one item after the other, round and round; counts items. What it answers is kept.
 template <class Items, class Question>

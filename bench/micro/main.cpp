@@ -38,6 +38,7 @@ bool run(MicroArguments& a) {
   add_worlds(workload);
   add_loads(workload);
   add_refits(workload);
+  add_fields();
   if (benchmark::RunSpecifiedBenchmarks() == 0) throw Error("no bench of that name");
   benchmark::Shutdown();
   return true;

@@ -22,6 +22,7 @@ constexpr double flat_edge = 1e-6;
 
 void ContactBody::place(const MovingPart& moving, const AffineMap& to_common, std::int32_t number) {
   surface = &moving.shape->fine;
+  mesh = surface->surroundings;
   shape = moving.shape->number;
   features = &moving.shape->features();
   scale = moving.motion.scale;

@@ -24,6 +24,7 @@ struct ContactEdge {
 /// One body of a pair while contacts are searched. It keeps its memory from query to query.
 struct ContactBody {
   const Surface* surface = nullptr;
+  MeshView mesh;  ///< with the surroundings of a tile
   const SurfaceFeatures* features = nullptr;
   std::uint64_t shape = 0;  ///< SimpleShape::number
   AffineMap map, inverse;   ///< from the local frame to the common one, scale included, and back
@@ -53,10 +54,19 @@ struct ContactBody {
 
   std::int32_t vertex_number(std::int32_t triangle, int corner) const {
     return static_cast<std::int32_t>(
-        surface->mesh.triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(corner)]);
+        mesh.triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(corner)]);
+  }
+  /// Returns a vertex in the local frame.
+  Eigen::Vector3d local_vertex(std::int32_t vertex) const {
+    return Eigen::Map<const Eigen::Vector3f>(mesh.vertices[static_cast<std::size_t>(vertex)].data()).cast<double>();
   }
   Eigen::Vector3d located(std::int32_t vertex) const {
-    return map.linear.lazyProduct(surface->vertex(vertex)) + map.offset;
+    return map.linear.lazyProduct(local_vertex(vertex)) + map.offset;
+  }
+  /// A tile is a part of a larger surface, and shares the features along its border with other parts.
+  bool is_tile() const { return !surface->foreign.empty(); }
+  bool is_own(std::int32_t triangle) const {
+    return static_cast<std::size_t>(triangle) < surface->mesh.triangles.size();
   }
   Eigen::Vector3d position(std::int32_t triangle, int corner) const { return located(vertex_number(triangle, corner)); }
   TriangleD triangle(std::int32_t t) const { return {position(t, 0), position(t, 1), position(t, 2)}; }

@@ -53,12 +53,13 @@ class Search {
         error_(query.error),
         sides_(query.sides),
         new_sides_(query.new_sides),
+        with_last_resort_(query.with_last_resort),
         memory_(memory) {
     s_.leaf_pairs.clear();
     s_.crossings.clear();
     for (ContactBody* body : {&s_.a, &s_.b}) {
       body->leaf_index.clear(body->surface->tree.leaves.size());
-      body->vertex_index.clear(body->surface->mesh.vertices.size());
+      body->vertex_index.clear(body->mesh.vertices.size());
       body->leaves.clear();
       body->vertices.clear();
       body->edges.clear();
@@ -88,7 +89,7 @@ class Search {
     }
     if (s_.candidates.size() == first) vertices_of(s_.a, s_.b, true, true);
     if (s_.candidates.size() == first) vertices_of(s_.b, s_.a, false, true);
-    if (s_.candidates.size() == first) last_resort(first);
+    if (s_.candidates.size() == first && with_last_resort_) last_resort(first);
   }
 
   void run_again(const ContactMemory& memory, double approach) {
@@ -227,6 +228,7 @@ class Search {
   void contacts_of_located(const ContactBody& guest, const ContactBody& host, bool guest_is_a) {
     for (std::size_t i = 0; i < guest.vertices.size(); ++i) {
       const ContactVertex& v = guest.vertices[i];
+      if (guest.surface->is_foreign(v.vertex)) continue;
       switch (s_.located[i].where) {
         case Where::outside:
           if (reaches(guest, v, v.any)) outside(guest, host, guest_is_a, v, s_.located[i].nearest);
@@ -303,7 +305,7 @@ class Search {
   }
 
   static SurfacePoint nearest_on(const ContactBody& host, const Vector& p, std::int32_t triangle) {
-    const auto corner = [&](int k) { return host.surface->vertex(host.vertex_number(triangle, k)); };
+    const auto corner = [&](int k) { return host.local_vertex(host.vertex_number(triangle, k)); };
     SurfacePoint point = nearest_in_triangle(p, {corner(0), corner(1), corner(2)});
     point.triangle = triangle;
     return point;
@@ -452,6 +454,7 @@ class Search {
     const Vector away = v.position - on_host;
     const double distance = away.norm();
     if (!host.solid && !host.round) {
+      if (host.is_tile() && is_of_other_tile(host, v, nearest)) return;
       two_sided(guest, host, guest_is_a, v, nearest);
       return;
     }
@@ -477,6 +480,27 @@ class Search {
     add(guest, host, guest_is_a, v, facing.point, up / height, height);
   }
 
+  /// True if the point of a tile that is nearest to a vertex lies on a feature that another tile owns, or if that tile
+  /// has a nearer point: the contact is then the other tile's, or none. The normal of this one would be askew.
+  bool is_of_other_tile(const ContactBody& host, const ContactVertex& v, const SurfacePoint& nearest) const {
+    if (nearest.kind == SurfacePoint::Kind::face) return false;
+    const Vector p = host.inverse(v.position);
+    const double nearer = nearest.distance - 4 * error_ / host.scale;
+    bool other = false;
+    const auto compare = [&](std::int32_t t) {
+      other = other || (!host.is_own(t) && nearest_on(host, p, t).distance < nearer);
+    };
+    if (nearest.kind == SurfacePoint::Kind::vertex) {
+      visit_around(*host.features, nearest.triangle, nearest.corner, compare);
+      return other || host.surface->is_foreign(host.vertex_number(nearest.triangle, nearest.corner));
+    }
+    const std::int32_t twin = host.features->twin_of(3 * nearest.triangle + nearest.corner);
+    if (twin < 0 || host.is_own(twin / 3)) return false;
+    compare(twin / 3);
+    const unsigned owned = host.surface->owned[static_cast<std::size_t>(nearest.triangle)];
+    return other || (owned >> (3 + static_cast<unsigned>(nearest.corner)) & 1U) == 0;
+  }
+
   /// True if the normal, which leads from the nearest point to the vertex, stays in the vertex's region, or is that of
   /// a face which the vertex faces: then it holds wherever the vertex is. Normals of edges and vertices do not, and
   /// would point askew next to bodies that rest on a plane.
@@ -500,7 +524,8 @@ class Search {
     const Vector face = unit_normal(host.triangle(nearest.triangle));
     Vector normal = distance > 4 * error_ ? Vector(away / distance) : face;
     const std::uint64_t feature = vertex_feature(guest, host, guest_is_a, v.vertex);
-    const Vector* const before = side_before(feature);
+    const Vector* before = side_before(feature);
+    if (before == nullptr && host.is_tile()) before = side_on_any_part(feature);
     const double wanted = before != nullptr ? host.direction(*before).dot(normal) : -v.normal.dot(normal);
     double separation = distance;
     const bool touches = distance <= 4 * error_;
@@ -568,6 +593,17 @@ class Search {
     const auto found = std::lower_bound(sides_.begin(), sides_.end(), feature,
                                         [](const ContactSide& side, std::uint64_t f) { return side.feature < f; });
     if (found == sides_.end() || found->feature != feature) return nullptr;
+    before_ = found->normal.cast<double>();
+    return &before_;
+  }
+
+  /// The same where the vertex was near another tile.
+  const Vector* side_on_any_part(std::uint64_t feature) {
+    constexpr std::uint64_t part = std::uint64_t{0x3fffffff} << 32;
+    const auto found = std::find_if(sides_.begin(), sides_.end(), [&](const ContactSide& side) {
+      return (side.feature & ~part) == (feature & ~part);
+    });
+    if (found == sides_.end()) return nullptr;
     before_ = found->normal.cast<double>();
     return &before_;
   }
@@ -828,6 +864,7 @@ class Search {
   const double limit_, error_;
   const std::span<const ContactSide> sides_;
   std::vector<ContactSide>& new_sides_;
+  const bool with_last_resort_;
   ContactMemory* const memory_;  ///< to be made, or null
   bool again_ = false;           ///< vertices come from a memory
   double wide_ = limit_;         ///< the limit for what is remembered

@@ -155,36 +155,58 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
   const double radii = options.radius_a + options.radius_b;
   const Eigen::Vector3d origin = motion_a.start.translation();
   const bool compound = a.is_compound() || b.is_compound();
-  for_each_part_pair(
-      a, motion_a, b, motion_b, options.margin + radii, [&](const MovingPart& part_a, const MovingPart& part_b) {
-        if (!part_a.shape->has_fine() || !part_b.shape->has_fine()) return true;
-        const FineLease lease_a(*part_a.shape), lease_b(*part_b.shape);
-        const RestingPair pair(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
-        search.a.place(part_a, pair.a, part_a.first_triangle);
-        search.b.place(part_b, pair.b, part_b.first_triangle);
-        const PairMotion motion = pair_motion(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
-        set_steps(search, part_a, part_b, pair.origin);
-        const std::size_t first = search.candidates.size();
-        const ContactQuery query{.motion = motion,
-                                 .limit = options.margin + radii,
-                                 .error = pair.error + part_a.slack + part_b.slack,
-                                 .approach = drift_ahead(search),
-                                 .sides = state.sides,
-                                 .new_sides = state.new_sides};
-        if (compound) {
-          find_contacts(search, query, nullptr);
-        } else {
-          search_with_memory(search, query, options.margin, state.memory);
-        }
-        const Eigen::Vector3d shift = pair.origin - origin;
-        for (std::size_t i = first; i < search.candidates.size(); ++i) {
-          ContactCandidate& c = search.candidates[i];
-          c.separation -= radii;
-          c.point_a += shift - options.radius_a * c.normal;
-          c.point_b += shift + options.radius_b * c.normal;
-        }
-        return true;
-      });
+  bool tiles = false;
+  const auto search_part = [&](const MovingPart& part_a, const MovingPart& part_b, bool for_tiles) {
+    if (!part_a.shape->has_fine() || !part_b.shape->has_fine()) return true;
+    const FineLease lease_a(*part_a.shape), lease_b(*part_b.shape);
+    const RestingPair pair(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
+    search.a.place(part_a, pair.a, part_a.first_triangle);
+    search.b.place(part_b, pair.b, part_b.first_triangle);
+    const bool tile = search.a.is_tile() || search.b.is_tile();
+    tiles = tiles || tile;
+    const PairMotion motion = pair_motion(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
+    set_steps(search, part_a, part_b, pair.origin);
+    const std::size_t first = search.candidates.size();
+    const ContactQuery query{.motion = motion,
+                             .limit = options.margin + radii,
+                             .error = pair.error + part_a.slack + part_b.slack,
+                             .approach = drift_ahead(search),
+                             .sides = state.sides,
+                             .new_sides = state.new_sides,
+                             .with_last_resort = !tile || for_tiles};
+    if (compound) {
+      find_contacts(search, query, nullptr);
+    } else {
+      search_with_memory(search, query, options.margin, state.memory);
+    }
+    const Eigen::Vector3d shift = pair.origin - origin;
+    for (std::size_t i = first; i < search.candidates.size(); ++i) {
+      ContactCandidate& c = search.candidates[i];
+      c.separation -= radii;
+      c.point_a += shift - options.radius_a * c.normal;
+      c.point_b += shift + options.radius_b * c.normal;
+    }
+    return true;
+  };
+  const auto search_all = [&](bool for_tiles) {
+    for_each_part_pair(
+        a, motion_a, b, motion_b, options.margin + radii,
+        [&](const MovingPart& part_a, const MovingPart& part_b) { return search_part(part_a, part_b, for_tiles); });
+  };
+  search_all(false);
+  // The contact of a tile may be its neighbour's. So the last resort is for where no tile has one.
+  if (tiles && search.candidates.empty()) {
+    state.new_sides.clear();
+    search_all(true);
+    std::vector<ContactCandidate>& found = search.candidates;
+    const auto deepest = std::min_element(
+        found.begin(), found.end(),
+        [](const ContactCandidate& x, const ContactCandidate& y) { return x.separation < y.separation; });
+    if (!found.empty()) {
+      std::iter_swap(found.begin(), deepest);
+      found.erase(found.begin() + 1, found.end());
+    }
+  }
   const int count = reduce_contacts(search.candidates, options, origin, state.features, scratch.reduction, points);
   state.keep(points.first(static_cast<std::size_t>(count)));
   return count;
@@ -208,7 +230,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
     seen.clear(part.shape->fine.mesh.vertices.size());
     PlaneCheck(*part.shape, part.shape->fine, part.motion, b, options.margin + radii)
         .visit_reaching([&](std::int32_t v, double) {
-          if (seen[v] >= 0) return;
+          if (seen[v] >= 0 || part.shape->fine.is_foreign(v)) return;
           seen.insert(v, 0);
           const Eigen::Vector3d at =
               part.motion.start * (part.motion.scale * (frame.origin + part.shape->fine.vertex(v)));

@@ -4,6 +4,7 @@
 #include "broadphase/motion/pose.h"
 #include "broadphase/separation/containment.h"
 #include "broadphase/shape/compound.h"
+#include "broadphase/shape/world_box.h"
 
 #include <encage/distance.h>
 #include <encage/fine_lease.h>
@@ -179,7 +180,7 @@ DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, 
   DistanceResult nearest;
   nearest.lower = options.limit;
   std::int64_t steps = options.most_steps;
-  for_each_part_pair(a, at_a, b, at_b, options.limit, [&](const MovingPart& part_a, const MovingPart& part_b) {
+  const auto ask = [&](const MovingPart& part_a, const MovingPart& part_b) {
     DistanceOptions asked = options;
     asked.limit = std::min(options.limit, nearest.upper);
     // An index out of range for all parts but one.
@@ -196,7 +197,14 @@ DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, 
     nearest.lower = lower;
     nearest.exhausted = exhausted && nearest.upper > 0;
     return nearest.upper > 0;
-  });
+  };
+  // Of many parts most are too far: two near ones tell how far.
+  constexpr std::int64_t many = 32;
+  if (part_count(a) > many || part_count(b) > many) {
+    const MovingPart near_a = near_part(a, at_a, world_box(b, at_b));
+    if (!ask(near_a, near_part(b, at_b, world_box(*near_a.shape, near_a.motion)))) return nearest;
+  }
+  for_each_part_pair(a, at_a, b, at_b, std::min(options.limit, nearest.upper), ask);
   if (nearest.lower >= options.limit) return {.lower = options.limit};
   return nearest;
 }

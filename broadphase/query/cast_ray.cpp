@@ -81,7 +81,7 @@ class RayQuery {
         const_cast<void*>(static_cast<const void*>(&each)));
   }
 
-  /// Calls visit for the parts of a compound that the ray comes near.
+  /// Calls visit for the parts of a compound that the ray comes near, near ones first.
   template <class Visit>
   bool for_each_part(const CompoundShape& compound, const Motion& motion, Visit&& visit) const {
     const PosedParts parts(compound, motion);
@@ -89,7 +89,7 @@ class RayQuery {
     const Eigen::Vector3d origin = parts.local(ray_.origin), direction = parts.local_direction(ray_.direction / size);
     const double slack = parts.rounding(ray_.origin.norm());
     const double low = ray_.t_min * size;
-    return parts.visit(
+    return parts.visit_in_order(
         [&](const Eigen::AlignedBox3d& box) {
           double enter = low, leave = std::min(ray_.t_max, last()) * size;
           for (int axis = 0; axis < 3; ++axis) {
@@ -105,7 +105,10 @@ class RayQuery {
           }
           return enter <= leave + slack * parts.scale();
         },
-        visit);
+        visit,
+        [&](const Eigen::AlignedBox3d& first, const Eigen::AlignedBox3d& second) {
+          return direction.dot(second.min() + second.max() - first.min() - first.max()) < 0;
+        });
   }
 
   RayResult result() const {

@@ -73,7 +73,7 @@ ClosestPoint closest_of(const CompoundShape& compound, const Motion& motion, con
   const double slack = parts.rounding(point.norm());
   ClosestPoint best;
   best.lower = limit;
-  parts.visit(
+  parts.visit_in_order(
       [&](const Eigen::AlignedBox3d& box) {
         const double apart = parts.shortest(std::max(0.0, to_box(box, p) - slack));
         return apart <= std::min(limit, best.upper);
@@ -85,6 +85,9 @@ ClosestPoint closest_of(const CompoundShape& compound, const Motion& motion, con
         if (found.upper < best.upper || (found.upper == best.upper && found.triangle < best.triangle)) best = found;
         best.lower = lower;
         return true;
+      },
+      [&](const Eigen::AlignedBox3d& first, const Eigen::AlignedBox3d& second) {
+        return second.squaredExteriorDistance(p) < first.squaredExteriorDistance(p);
       });
   best.lower = std::min(best.lower, best.upper);
   return best;

@@ -29,6 +29,11 @@ class PosedParts {
   /// order, until it returns false; returns false if it did.
   template <class MayMeet, class Visit>
   bool visit(MayMeet&& may_meet, Visit&& visit_part) const {
+    return visit_in_order(may_meet, visit_part, [](const auto&, const auto&) { return false; });
+  }
+  /// The same; of two nodes, the second one comes first if swap(first box, second box).
+  template <class MayMeet, class Visit, class Swap>
+  bool visit_in_order(MayMeet&& may_meet, Visit&& visit_part, Swap&& swap) const {
     std::array<std::int32_t, 66> stack;  // the tree is balanced
     std::size_t size = 0;
     stack[size++] = 0;
@@ -38,14 +43,20 @@ class PosedParts {
       if (node.part >= 0) {
         if (!visit_part(moving_part(compound_, static_cast<std::size_t>(node.part), motion_))) return false;
       } else {
-        stack[size++] = node.children[1];
-        stack[size++] = node.children[0];
+        const auto [first, second] = node.children;
+        const bool swapped = swap(box_of(first), box_of(second));
+        stack[size++] = swapped ? first : second;
+        stack[size++] = swapped ? second : first;
       }
     }
     return true;
   }
 
  private:
+  const Eigen::AlignedBox3d& box_of(std::int32_t node) const {
+    return compound_.nodes[static_cast<std::size_t>(node)].box;
+  }
+
   const CompoundShape& compound_;
   const Motion& motion_;
   Eigen::Matrix3d to_local_;

@@ -124,6 +124,8 @@ void add_part(CompoundShape& compound, ShapePart part, const std::string& name, 
   part.first_vertex = vertices;
   triangles = add_count(triangles, part.shape->fine_triangles, "triangles");
   vertices = add_count(vertices, part.shape->fine_vertices, "vertices");
+  compound.reach = std::max(compound.reach, part.reach);
+  compound.has_fine = compound.has_fine && part.shape->has_fine();
   compound.parts.push_back(std::move(part));
 }
 
@@ -180,6 +182,7 @@ bool visit_near_parts(const Shape& shape, const Motion& motion, const Eigen::Ali
 ShapePtr make_compound(std::span<const CompoundPart> parts) {
   if (parts.empty()) throw Error("compound: no parts");
   const auto shape = std::make_shared<CompoundShape>();
+  shape->parts.reserve(parts.size());
   std::int32_t triangles = 0, vertices = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     check(parts[i], i);
@@ -239,13 +242,22 @@ MovingPart moving_part(const CompoundShape& compound, std::size_t index, const M
 }
 
 double size_in_world(const Shape& shape, const Motion& motion) noexcept {
-  double reach = 0;
-  if (shape.is_compound()) {
-    for (const ShapePart& part : shape.compound().parts) reach = std::max(reach, part.reach);
-  } else {
-    reach = shape.simple().frame.reach();
-  }
+  const double reach = shape.is_compound() ? shape.compound().reach : shape.simple().frame.reach();
   return motion.scale * reach + std::max(motion.start.translation().norm(), motion.end.translation().norm());
+}
+
+MovingPart near_part(const Shape& shape, const Motion& motion, const Eigen::AlignedBox3d& box) noexcept {
+  if (!shape.is_compound()) return MovingPart{&shape.simple(), motion};
+  const CompoundShape& compound = shape.compound();
+  const auto apart = [&](std::int32_t node) {
+    return swept_box(compound.nodes[static_cast<std::size_t>(node)].box, motion).squaredExteriorDistance(box);
+  };
+  const PartNode* node = compound.nodes.data();
+  while (node->part < 0) {
+    const auto [first, second] = node->children;
+    node = &compound.nodes[static_cast<std::size_t>(apart(second) < apart(first) ? second : first)];
+  }
+  return moving_part(compound, static_cast<std::size_t>(node->part), motion);
 }
 
 bool visit_parts(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,

@@ -52,6 +52,9 @@ bool for_each_part(const Shape& shape, const Motion& motion, Visit&& visit) {
   return true;
 }
 
+/// Returns a part near `box`, of the world: that of the nearer boxes down the tree, not always the nearest one.
+MovingPart near_part(const Shape& shape, const Motion& motion, const Eigen::AlignedBox3d& box) noexcept;
+
 /// Bounds the sum of the magnitudes from which positions of the body's points in the world are computed.
 double size_in_world(const Shape& shape, const Motion& motion) noexcept;
 

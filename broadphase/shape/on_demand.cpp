@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cassert>
 #include <exception>
+#include <optional>
 #include <utility>
 
 namespace encage {
@@ -23,9 +24,9 @@ MeshBudget::MeshBudget(std::int64_t bytes) : budget_(bytes) {
   if (bytes <= 0) throw Error("shape cache: the budget of " + in_bytes(bytes) + " is not positive");
 }
 
-void MeshBudget::add(const OnDemandMesh& mesh, const std::string& file) {
+void MeshBudget::add(const OnDemandMesh& mesh) {
   const std::lock_guard lock(mutex_);
-  check_room(mesh.bytes_, file + ": the fine mesh needs " + in_bytes(mesh.bytes_));
+  check_room(mesh.bytes_, mesh.source_->name() + ": the fine mesh needs " + in_bytes(mesh.bytes_));
   sizes_.insert(mesh.bytes_);
 }
 
@@ -51,14 +52,14 @@ void MeshBudget::make_resident(OnDemandMesh& mesh) {
   if (mesh.resident_.load()) return;
   resident_.reserve(resident_.size() + 1);
   make_room(mesh.bytes_);
-  const std::int64_t bytes = mesh.load();
+  const std::int64_t bytes = mesh.source_->load(mesh.shape_);
   if (bytes != mesh.bytes_) {  // its tree was built, which makes it larger than its size in the file
     auto own = sizes_.extract(mesh.bytes_);
     try {
-      check_room(bytes, mesh.file_ + ": the fine mesh needs " + in_bytes(bytes) + " with its tree");
+      check_room(bytes, mesh.source_->name() + ": the fine mesh needs " + in_bytes(bytes) + " with its tree");
     } catch (...) {
       sizes_.insert(std::move(own));
-      mesh.drop();
+      mesh.source_->drop(mesh.shape_);
       throw;
     }
     own.value() = mesh.bytes_ = bytes;
@@ -110,7 +111,7 @@ bool MeshBudget::evict_oldest() noexcept {
       mesh.resident_.store(true);
       continue;
     }
-    mesh.drop();
+    mesh.source_->drop(mesh.shape_);
     forget(oldest);
     ++counts_.evictions;
     return true;
@@ -132,15 +133,14 @@ ShapeCacheStatistics MeshBudget::statistics() const {
 
 std::int64_t MeshBudget::owned_bytes(const OnDemandMesh& mesh) const {
   const std::lock_guard lock(mutex_);
-  const bool owned = mesh.arrays_ || mesh.shape_.asset->mode() == LoadMode::copy;
-  return owned && mesh.resident_.load() ? mesh.bytes_ : 0;
+  return mesh.resident_.load() && !mesh.source_->is_mapped() ? mesh.bytes_ : 0;
 }
 
 // ---- OnDemandMesh ----------------------------------------------------------
 
-OnDemandMesh::OnDemandMesh(SimpleShape& shape, std::string file, std::shared_ptr<MeshBudget> budget)
-    : shape_(shape), file_(std::move(file)), budget_(std::move(budget)), bytes_(shape.asset->fine_bytes()) {
-  budget_->add(*this, file_);
+OnDemandMesh::OnDemandMesh(SimpleShape& shape, std::unique_ptr<FineSource> source, std::shared_ptr<MeshBudget> budget)
+    : shape_(shape), source_(std::move(source)), budget_(std::move(budget)), bytes_(source_->bytes()) {
+  budget_->add(*this);
 }
 
 OnDemandMesh::~OnDemandMesh() { budget_->remove(*this); }
@@ -163,42 +163,68 @@ void OnDemandMesh::unpin() noexcept {
   budget_->settle();
 }
 
-// SimpleShape::fine is written only while no query may read it. A mesh that is used in place has the same value each
-// time.
-std::int64_t OnDemandMesh::load() {
-  AssetView& asset = *shape_.asset;
-  std::int64_t bytes = bytes_;
-  try {
-    asset.fetch_fine();
-    asset.close_file();
-    if (!checked_ || asset.mode() == LoadMode::copy) asset.verify_fine();
-    if (shape_.fine.empty()) {
-      const MeshView mesh = *asset.fine();
-      auto view = asset.fine_arrays();
-      if (!view) {
-        arrays_ = make_mesh_arrays(copy_mesh(mesh), file_ + ": " + fine_name);
-        bytes = arrays_->bytes();
-        view = arrays_->view();
-      }
-      Surface fine(*view);
-      if (fine.radius > shape_.frame.radius) throw Error(file_ + ": " + fine_name + ": reaches beyond the cages");
-      shape_.fine = fine;
-      if (arrays_) asset.discard_fine();
-    }
-    checked_ = true;
-    return bytes;
-  } catch (...) {
-    asset.close_file();
-    drop();
-    throw;
-  }
-}
+// ---- Assets ----------------------------------------------------------------
 
-void OnDemandMesh::drop() noexcept {
-  shape_.asset->discard_fine();
-  if (!arrays_) return;
-  shape_.fine = Surface();
-  arrays_.reset();
+namespace {
+
+/// A mesh that is used in place has the same value each time.
+class AssetSource final : public FineSource {
+ public:
+  AssetSource(const SimpleShape& shape, std::string file)
+      : file_(std::move(file)), mode_(shape.asset->mode()), bytes_(shape.asset->fine_bytes()) {}
+
+  std::string name() const override { return file_; }
+  std::int64_t bytes() const override { return bytes_; }
+  bool is_mapped() const noexcept override { return !arrays_ && mode_ == LoadMode::map; }
+  std::int64_t own_bytes() const noexcept override { return 0; }
+
+  std::int64_t load(SimpleShape& shape) override {
+    AssetView& asset = *shape.asset;
+    try {
+      asset.fetch_fine();
+      asset.close_file();
+      if (!checked_ || mode_ == LoadMode::copy) asset.verify_fine();
+      if (shape.fine.empty()) {
+        const MeshView mesh = *asset.fine();
+        auto view = asset.fine_arrays();
+        if (!view) {
+          arrays_ = make_mesh_arrays(copy_mesh(mesh), file_ + ": " + fine_name);
+          bytes_ = arrays_->bytes();
+          view = arrays_->view();
+        }
+        Surface fine(*view);
+        if (fine.radius > shape.frame.radius) throw Error(file_ + ": " + fine_name + ": reaches beyond the cages");
+        shape.fine = fine;
+        if (arrays_) asset.discard_fine();
+      }
+      checked_ = true;
+      return bytes_;
+    } catch (...) {
+      asset.close_file();
+      drop(shape);
+      throw;
+    }
+  }
+
+  void drop(SimpleShape& shape) noexcept override {
+    shape.asset->discard_fine();
+    if (!arrays_) return;
+    shape.fine = Surface();
+    arrays_.reset();
+  }
+
+ private:
+  const std::string file_;
+  const LoadMode mode_;
+  std::int64_t bytes_;                // of a mesh whose tree must be built, those of its sections until then
+  bool checked_ = false;              // the mapped bytes match their hashes
+  std::optional<MeshArrays> arrays_;  // built
+};
+
+}  // namespace
+
+std::unique_ptr<FineSource> asset_source(const SimpleShape& shape, std::string file) {
+  return std::make_unique<AssetSource>(shape, std::move(file));
 }
 
 // ---- FineLease -------------------------------------------------------------

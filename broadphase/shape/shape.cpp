@@ -114,8 +114,21 @@ std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
   return corners;
 }
 
-/// The outline is the fine mesh, or else the finest cage, if it has few vertices: near the body, and quick to project.
-/// Otherwise boxes around the finest surface serve.
+void set_fine(SimpleShape& shape, const MeshArraysView& arrays) {
+  shape.fine = Surface(arrays);
+  shape.fine_triangles = arrays.mesh.triangles.size();
+  shape.fine_vertices = arrays.mesh.vertices.size();
+  shape.frame.radius = std::max(shape.frame.radius, shape.fine.radius);
+}
+
+MeshArraysView keep(SimpleShape& shape, MeshArrays arrays) {
+  return shape.owned_arrays.emplace_back(std::move(arrays)).view();
+}
+
+}  // namespace
+
+// The outline is the fine mesh, or else the finest cage, if it has few vertices: near the body, and quick to project.
+// Otherwise boxes around the finest surface serve.
 void set_outline(SimpleShape& shape) {
   const auto set = [&](std::span<const std::array<float, 3>> points) {
     double squared = 0;
@@ -136,26 +149,13 @@ void set_outline(SimpleShape& shape) {
   if (std::none_of(shape.cages.begin(), shape.cages.end(), fits)) set(box_corners(shape.outer()));
 }
 
-void set_fine(SimpleShape& shape, const MeshArraysView& arrays) {
-  shape.fine = Surface(arrays);
-  shape.fine_triangles = arrays.mesh.triangles.size();
-  shape.fine_vertices = arrays.mesh.vertices.size();
-  shape.frame.radius = std::max(shape.frame.radius, shape.fine.radius);
-}
-
-MeshArraysView keep(SimpleShape& shape, MeshArrays arrays) {
-  return shape.owned_arrays.emplace_back(std::move(arrays)).view();
-}
-
-}  // namespace
-
 SimpleShape::SimpleShape()
     : Shape(false), number([] {
         static std::atomic<std::uint64_t> last{0};
         return last.fetch_add(1, std::memory_order_relaxed) + 1;
       }()) {}
 
-Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays) {
+Surface::Surface(const MeshArraysView& arrays) : MeshArraysView(arrays), surroundings(arrays.mesh) {
   double squared = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     squared = std::max(squared, vertex(static_cast<std::int32_t>(v)).squaredNorm());
@@ -278,7 +278,10 @@ const std::shared_ptr<const std::vector<std::int32_t>>& SimpleShape::part_of_ver
 ShapePtr refit_shape(const Shape& shape, const Vertices& vertices) {
   if (shape.is_compound()) throw Error("refit: a compound; refit its parts and make it anew");
   const SimpleShape& source = shape.simple();
-  if (source.on_demand) throw Error("refit: the mesh of a ShapeCache; load_shape() keeps it in memory");
+  if (source.on_demand) {
+    throw Error(
+        "refit: the mesh of a ShapeCache or a height field; load_shape() and make_shape() keep theirs in memory");
+  }
   if (source.fine.empty()) throw Error("refit: the shape has no fine mesh");
   check_moved(source, vertices);
   const auto& part_of_vertex = source.part_of_vertex();
@@ -369,7 +372,9 @@ ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& optio
     shape->fine_vertices = view.fine_vertex_count();
     view.discard_fine();  // frees pages that the system has read ahead
     shape->asset.emplace(std::move(view));
-    if (has_fine) shape->on_demand = std::make_unique<OnDemandMesh>(*shape, file.string(), std::move(budget));
+    if (has_fine) {
+      shape->on_demand = std::make_unique<OnDemandMesh>(*shape, asset_source(*shape, file.string()), std::move(budget));
+    }
     set_outline(*shape);
     return shape;
   });

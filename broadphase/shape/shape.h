@@ -14,10 +14,10 @@
 #include <atomic>
 #include <cassert>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace encage {
@@ -31,7 +31,13 @@ struct Surface : MeshArraysView {
   double radius = 0;                                ///< largest distance of a vertex from the local origin, rounded up
   Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< bounds of all vertices of triangles
   Eigen::Vector3f upper = Eigen::Vector3f::Zero();
+  /// The mesh with the triangles around it, where it is a tile of a larger surface. Those follow the mesh's own, and
+  /// are in no tree. Otherwise the mesh.
+  MeshView surroundings;
+  /// For each vertex of the surroundings of a tile, 1 if a triangle of another tile owns it; otherwise empty.
+  std::span<const std::uint8_t> foreign;
 
+  bool is_foreign(std::int32_t v) const { return !foreign.empty() && foreign[static_cast<std::size_t>(v)] != 0; }
   bool empty() const { return tree.leaves.empty(); }
   Eigen::Vector3d vertex(std::int32_t v) const {
     return Eigen::Map<const Eigen::Vector3f>(mesh.vertices[v].data()).cast<double>();
@@ -97,15 +103,17 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
   /// Returns how far the source may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
   double error_in_world(double scale) const { return has_fine() ? (1 + 1e-8) * scale * fine_error : 0; }
-  /// Returns the features of the fine mesh, which must be in memory. The first call makes them; they are kept. Thread
-  /// safe.
+  /// Returns the features of the fine mesh, which must be in memory. The first call makes them; they are kept, unless
+  /// forget_features() is called. Thread safe.
   const SurfaceFeatures& features() const {
-    std::call_once(features_made_, [this] {
-      features_ = make_surface_features(fine.mesh, fine.parts, std::move(known_twin));
-      feature_bytes_.store(features_.bytes(), std::memory_order_release);
+    std::call_once(features_->made, [this] {
+      features_->features = make_surface_features(fine.surroundings, fine.parts, std::move(known_twin));
+      if (!drops_features) feature_bytes_.store(features_->features.bytes(), std::memory_order_release);
     });
-    return features_;
+    return features_->features;
   }
+  /// Nothing may use the features.
+  void forget_features() { features_.emplace(); }
   /// Returns 0 until the features have been made. Thread safe.
   std::int64_t feature_bytes() const noexcept { return feature_bytes_.load(std::memory_order_acquire); }
 
@@ -118,13 +126,18 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   mutable std::shared_ptr<const std::vector<std::int32_t>> known_parts;
 
   // The memory that the surfaces refer to.
-  std::deque<MeshArrays> owned_arrays;
+  std::vector<MeshArrays> owned_arrays;
   std::optional<AssetView> asset;
-  std::unique_ptr<OnDemandMesh> on_demand;  ///< set for a shape of a ShapeCache that has a fine mesh
+  std::unique_ptr<OnDemandMesh> on_demand;  ///< set for a shape whose fine mesh comes and goes
+  bool drops_features = false;              ///< with the fine mesh, whose bytes include theirs
 
  private:
-  mutable std::once_flag features_made_, parts_known_;
-  mutable SurfaceFeatures features_;
+  struct Features {
+    std::once_flag made;
+    SurfaceFeatures features;
+  };
+  mutable std::optional<Features> features_{std::in_place};
+  mutable std::once_flag parts_known_;
   mutable std::atomic<std::int64_t> feature_bytes_{0};
 };
 
@@ -154,6 +167,8 @@ class ENCAGE_HIDDEN CompoundShape final : public Shape {
 
   std::vector<ShapePart> parts;
   std::vector<PartNode> nodes;  ///< the root first
+  double reach = 0;             ///< the largest of the parts
+  bool has_fine = true;         ///< all parts have
 };
 
 inline const SimpleShape& Shape::simple() const {
@@ -164,6 +179,9 @@ inline const CompoundShape& Shape::compound() const {
   assert(is_compound_);
   return static_cast<const CompoundShape&>(*this);
 }
+
+/// Sets the outline of a shape that has its surfaces.
+void set_outline(SimpleShape& shape);
 
 /// Loads the shape of an asset with its fine mesh on demand.
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,

@@ -36,13 +36,13 @@ void add_memory(const SimpleShape& shape, ShapeMemory& sum) {
   sum.owned += static_cast<std::int64_t>(sizeof(SimpleShape) + shape.cages.size() * sizeof(Surface)) +
                shape.outline.bytes() + shape.feature_bytes();
   for (const MeshArrays& arrays : shape.owned_arrays) sum.owned += arrays.bytes();
+  if (shape.on_demand) sum.owned += static_cast<std::int64_t>(sizeof(OnDemandMesh)) + shape.on_demand->owned_bytes();
   if (!shape.asset) return;
   if (shape.asset->mode() == LoadMode::map) {
     sum.mapped += shape.asset->image_bytes();
   } else {
     sum.owned += shape.asset->image_bytes() - (shape.on_demand ? shape.asset->fine_bytes() : 0);
   }
-  if (shape.on_demand) sum.owned += shape.on_demand->owned_bytes();
 }
 
 // ---- Mass properties ---------------------------------------------------------

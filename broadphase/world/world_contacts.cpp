@@ -33,9 +33,7 @@ void check(const WorldContactOptions& options) {
 }
 
 bool has_fine_mesh(const Shape& shape) {
-  if (!shape.is_compound()) return shape.simple().has_fine();
-  const std::vector<ShapePart>& parts = shape.compound().parts;
-  return std::all_of(parts.begin(), parts.end(), [](const ShapePart& part) { return part.shape->has_fine(); });
+  return shape.is_compound() ? shape.compound().has_fine : shape.simple().has_fine();
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <encage/error.h>
 #include <encage/executor.h>
 #include <encage/fine_lease.h>
+#include <encage/height_field.h>
 #include <encage/manifold.h>
 #include <encage/mass_properties.h>
 #include <encage/mesh.h>
