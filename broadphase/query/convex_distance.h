@@ -3,6 +3,7 @@
 
 #include "broadphase/separation/triangle_pair.h"
 
+#include <limits>
 #include <span>
 
 namespace encage {
@@ -14,5 +15,30 @@ namespace encage {
 /// degenerate.
 bool hull_apart(std::span<const Eigen::Vector3d> points, const TriangleD& triangle, double distance,
                 Eigen::Vector3d& axis) noexcept;
+
+/// How far a hull that moves and a triangle are apart at one time, as a search for the nearest points sees it.
+struct HullGap {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< leads from the triangle to the hull; 0 if none was found
+  double length = 0;                               ///< of the axis
+  double low = 0;                                  ///< the least projection of the hull where it rests, on the axis
+  double high = 0;                                 ///< the largest one of the triangle
+  double lower = -std::numeric_limits<double>::infinity();  ///< along the axis, but for the rounding of projections
+  double upper = std::numeric_limits<double>::infinity();   ///< two points are no farther apart, but for rounding
+  bool passes = false;  ///< the axis proves a larger distance than that asked for, on the whole way
+};
+
+/// Finds how far the hull of `points`, moved by `moved`, and a triangle are apart. The search also ends when two points
+/// are no farther apart than `distance`, or an axis proves that hull and triangle are while the hull moves on by `way`.
+HullGap hull_gap(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& moved, const Eigen::Vector3d& way,
+                 const TriangleD& triangle, double distance) noexcept;
+
+struct NearestToHull {
+  Eigen::Vector3d point;  ///< of the triangle; any if it crosses the hull
+  Eigen::Vector3d axis;   ///< from there to the hull; 0 if they cross
+};
+
+/// Finds the point of a triangle that is nearest to the hull of some points, moved by `moved`.
+NearestToHull nearest_to_hull(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& moved,
+                              const TriangleD& triangle) noexcept;
 
 }  // namespace encage

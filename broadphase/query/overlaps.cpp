@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "broadphase/query/box_corners.h"
 #include "broadphase/query/convex_distance.h"
 #include "broadphase/query/near_parts.h"
 #include "broadphase/query/point_side.h"
@@ -163,14 +164,9 @@ bool overlaps(const Shape& shape, const Motion& motion, const Capsule& capsule) 
 }
 
 bool overlaps(const Shape& shape, const Motion& motion, const OrientedBox& box) noexcept {
-  if (!is_usable(Motion::resting(box.pose)) || !(box.half.minCoeff() >= 0) || !box.half.allFinite()) return true;
-  std::array<Vector, 8> corners;
-  for (unsigned i = 0; i < 8; ++i) {
-    const Vector sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-    corners[i] = box.pose * Vector(sign.cwiseProduct(box.half));
-  }
-  // Rounding of the corners, in units of which overlaps_part() has room for more.
-  return overlaps_hull(shape, motion, corners, 16 * eps * (box.half.norm() + box.pose.translation().norm()));
+  BoxCorners corners;
+  double rounding = 0;
+  return !corners_of(box, corners, rounding) || overlaps_hull(shape, motion, corners, rounding);
 }
 
 bool overlaps(const Shape& shape, const Motion& motion, const HalfSpace& half_space) noexcept {

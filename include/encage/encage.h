@@ -6,6 +6,7 @@
 
 #include <encage/asset.h>
 #include <encage/cage.h>
+#include <encage/casts.h>
 #include <encage/contact.h>
 #include <encage/distance.h>
 #include <encage/error.h>

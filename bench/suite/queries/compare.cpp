@@ -7,9 +7,12 @@
 #include "oracles/exact_pair.h"
 #include "oracles/sampled.h"
 
+#include <encage/casts.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace encage::queries {
 namespace {
@@ -143,6 +146,52 @@ std::vector<QueryRow> compare_points(const Shape& shape, const TriangleMesh& mes
     const double slack = 1e-12 * diagonal;
     rows[0].wrong += others[i] < closest[i].lower - slack || others[i] > closest[i].upper + slack;
     rows[1].wrong += distances[i].side != sides[i] || distances[i].closest.upper != closest[i].upper;
+  }
+  return rows;
+}
+
+std::vector<QueryRow> measure_casts(const Shape& shape, const TriangleMesh& mesh, int casts, int runs,
+                                    const std::function<void(double fraction)>& progress) {
+  const double diagonal = bounds(mesh).diagonal().norm();
+  const std::vector<Ray> ways = make_rays(mesh, casts, 0, 4);
+  std::vector<CastResult> found(ways.size());
+  std::vector<QueryRow> rows;
+  const auto add = [&](const std::string& name, const auto& volume_at) {
+    QueryRow& row = rows.emplace_back(QueryRow{.name = name, .checked = casts});
+    const auto way = [&](const Ray& ray) { return Vector(diagonal * ray.direction); };
+    row.per_second = casts / median_seconds(runs, [&] {
+                       for (std::size_t i = 0; i < ways.size(); ++i) {
+                         found[i] = cast(shape, Motion{}, volume_at(ways[i].origin), way(ways[i]));
+                       }
+                     });
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      bool early = false;
+      for (int k = 0; k < 4; ++k) {
+        const Vector moved = (found[i].time * k / 4) * way(ways[i]);
+        early = early || (found[i].time > 0 && overlaps(shape, Motion{}, volume_at(ways[i].origin + moved)));
+      }
+      row.wrong += early;
+    }
+    progress(static_cast<double>(rows.size()) / 5);
+  };
+  for (const double share : {0.001, 0.02}) {
+    const double radius = share * diagonal;
+    add("sphere, radius " + std::to_string(share).substr(0, 5) + " diagonals", [=](const Vector& p) {
+      return Sphere{p, radius};
+    });
+  }
+  add("capsule, 0.02 wide, 0.06 long", [=](const Vector& p) {
+    return Capsule{p - Vector(0, 0, 0.02 * diagonal), p + Vector(0, 0, 0.02 * diagonal), 0.01 * diagonal};
+  });
+  for (const double share : {0.001, 0.02}) {
+    const double half = share * diagonal;
+    const Eigen::Matrix3d turned = Eigen::AngleAxisd(0.7, Vector(1, 2, 3).normalized()).toRotationMatrix();
+    add("box, half size " + std::to_string(share).substr(0, 5) + " diagonals", [=](const Vector& p) {
+      OrientedBox box{Eigen::Isometry3d::Identity(), Vector::Constant(half)};
+      box.pose.linear() = turned;
+      box.pose.translation() = p;
+      return box;
+    });
   }
   return rows;
 }

@@ -27,4 +27,9 @@ std::vector<QueryRow> compare_rays(const Shape& shape, const TriangleMesh& mesh,
 std::vector<QueryRow> compare_points(const Shape& shape, const TriangleMesh& mesh, int points, int runs,
                                      const std::function<void(double fraction)>& progress);
 
+/// Volumes that begin around the shape and move to places in its box: small and large spheres, capsules and boxes.
+/// Checked is that no volume overlaps the shape earlier than its cast says.
+std::vector<QueryRow> measure_casts(const Shape& shape, const TriangleMesh& mesh, int casts, int runs,
+                                    const std::function<void(double fraction)>& progress);
+
 }  // namespace encage::queries
