@@ -18,6 +18,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace encage {
@@ -112,6 +113,10 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   /// Returns the part of the fine mesh, which must be in memory, that each vertex belongs to; -1 where no triangle has
   /// it. The first call finds them. Thread safe.
   const std::shared_ptr<const std::vector<std::int32_t>>& part_of_vertex() const;
+  /// Returns Certificate::clearance of each cage. Reads the description of an asset that is mapped or was read; throws
+  /// Error if it is damaged. Thread safe.
+  std::vector<double> clearances() const;
+  void set_clearances(std::vector<double> all) { clearances_ = std::move(all); }  ///< unless the asset has them
 
   // These hold what a shape of the same triangles knows already; they may be empty.
   mutable std::vector<std::int32_t> known_twin;
@@ -126,6 +131,7 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   mutable std::once_flag features_made_, parts_known_;
   mutable SurfaceFeatures features_;
   mutable std::atomic<std::int64_t> feature_bytes_{0};
+  std::vector<double> clearances_;
 };
 
 /// One part of a compound.
