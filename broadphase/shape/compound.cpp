@@ -200,8 +200,8 @@ Stretch stretch_of_part(const Eigen::Matrix3d& turn, const Eigen::Vector3d& fact
   const Eigen::Vector3d sizes = factors.cwiseAbs();
   const double departure = departure_from_rigid(turn);
   Stretch stretch;
-  stretch.shortest = sizes.minCoeff() * (1 - departure);
-  stretch.longest = sizes.maxCoeff() * (1 + departure);
+  stretch.shortest = sizes.minCoeff() * (1 - 3 * departure);
+  stretch.longest = sizes.maxCoeff() * (1 + 3 * departure);
   stretch.mirrors = factors.prod() < 0;
   const bool exchanges_axes = (turn.array() == turn.array().cube()).all();
   if ((factors.array() == factors[0]).all()) {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -38,16 +39,26 @@ bool is_diagonal(const Matrix& m) { return m == Matrix(m.diagonal().asDiagonal()
   }
 }
 
-/// Returns the largest distance by which vertices were moved.
-[[gnu::noinline]] double distance_moved(const Surface& surface, const Matrix& linear,
-                                        const std::vector<std::array<float, 3>>& mapped) {
-  double farthest = 0;
+/// How far vertices are rounded.
+struct Rounding {
+  double after = 0;   ///< in the frame of the images
+  double before = 0;  ///< in the frame of the source: the same by the inverse of the map
+};
+
+[[gnu::noinline]] Rounding rounding_of(const Surface& surface, const Stretch& stretch,
+                                       const std::vector<std::array<float, 3>>& mapped) {
+  const bool diagonal = is_diagonal(stretch.linear);
+  const Vector factors = stretch.linear.diagonal();
+  Rounding most;
   for (std::size_t v = 0; v < mapped.size(); ++v) {
-    const Vector image = linear * surface.vertex(static_cast<std::int32_t>(v));
-    const auto stored = Eigen::Map<const Eigen::Vector3f>(mapped[v].data()).cast<double>();
-    farthest = std::max(farthest, (stored - image).stableNorm());
+    const Vector image = stretch.linear * surface.vertex(static_cast<std::int32_t>(v));
+    const Vector moved = Eigen::Map<const Eigen::Vector3f>(mapped[v].data()).cast<double>() - image;
+    most.after = std::max(most.after, moved.stableNorm());
+    // Rounding is relative to each coordinate, and so it is before factors along the axes, however much these differ.
+    if (diagonal) most.before = std::max(most.before, moved.cwiseQuotient(factors).stableNorm());
   }
-  return farthest * (1 + 1e-12);  // the norm itself is rounded
+  if (!diagonal) most.before = most.after / stretch.shortest;
+  return {most.after * (1 + 1e-12), most.before * (1 + 1e-12)};  // the norms themselves are rounded
 }
 
 /// Turns triangles: corners 1 and 2 change places, hence edges 0 and 2.
@@ -84,11 +95,10 @@ void keep_extremes(const Matrix& linear, std::vector<MeshPart>& parts) {
   }
 }
 
-/// Maps a surface; `moved` is how far its vertices are rounded.
-MeshArrays map_surface(const Surface& surface, const Stretch& stretch, const std::string& place, double& moved) {
+MeshArrays map_surface(const Surface& surface, const Stretch& stretch, const std::string& place, Rounding& rounding) {
   MeshArrays arrays = copy_all_but_vertices(surface);
   map_into(surface, stretch.linear, place, arrays.vertices);
-  moved = distance_moved(surface, stretch.linear, arrays.vertices);
+  rounding = rounding_of(surface, stretch, arrays.vertices);
   if (is_diagonal(stretch.linear)) {
     keep_extremes(stretch.linear, arrays.parts);
   } else {
@@ -109,37 +119,42 @@ std::shared_ptr<SimpleShape> stretched(const SimpleShape& source, const Stretch&
     throw Error(name + "the local origin moves beyond 1e150: choose smaller factors or a larger unit");
   }
   // Origin and vertices take 3 products and 2 sums of terms that add up to the norms.
-  const double off = (8 * eps * stretch.linear.norm() + stretch.off) * (source.frame.reach() + source.fine_error);
-  double rounded = 0;
+  const double reach = source.frame.reach() + source.fine_error;
+  const double off = (8 * eps * stretch.linear.norm() + stretch.off) * reach;
+  const double off_before =
+      is_diagonal(stretch.linear) ? (8 * eps + stretch.off / stretch.shortest) * reach : off / stretch.shortest;
+  Rounding rounded;
   MeshArrays fine;
   if (!source.fine.empty()) fine = map_surface(source.fine, stretch, name + "the fine mesh", rounded);
-  const double error = (stretch.longest * source.fine_error + off + rounded) * (1 + 1e-12);
+  const double error = (stretch.longest * source.fine_error + off + rounded.after) * (1 + 1e-12);
   const auto result = describe({origin, source.solid, error}, 0, {.hollow = source.hollow});
   if (!source.fine.empty()) {
     result->known_parts = source.part_of_vertex();
     if (source.feature_bytes() > 0 && !stretch.mirrors) result->known_twin = source.features().twin;
     set_fine(*result, keep(*result, std::move(fine)));
   }
-  // A cage is kept if its image is farther from that of the surface before than both are from their exact places. The
-  // distance to a surface before the one before is at least the sum of the clearances between.
+  // A cage is kept if it is farther from the surface before, in the frame of the source, than both are from their exact
+  // places. The distance to a surface before the one before is at least the sum of the clearances between.
   const std::vector<double> clearances = source.cages.empty() ? std::vector<double>() : source.clearances();
+  assert(clearances.size() == source.cages.size());
   std::vector<double> kept;
-  double between = 0, error_before = 0;
+  double between = 0, moved_before = 0;
   for (std::size_t k = 0; k < source.cages.size(); ++k) {
     if (clearances[k] > 0) between += clearances[k];
     MeshArrays cage = map_surface(source.cages[k], stretch, name + cage_name(k), rounded);
-    const double clearance = stretch.shortest * between * (1 - 1e-12) - (rounded + off + error_before) * (1 + 1e-12);
+    const double moved = rounded.before + off_before;
+    const double clearance = between * (1 - 1e-12) - (moved + moved_before) * (1 + 1e-12);
     if (!(clearance > 0)) continue;
     add_cage(*result, keep(*result, std::move(cage)));
-    kept.push_back(clearance);
-    error_before = rounded + off;
+    kept.push_back(stretch.shortest * clearance * (1 - 1e-12));
+    moved_before = moved;
     between = 0;
   }
   result->set_clearances(std::move(kept));
   if (result->fine.empty() && result->cages.empty()) {
     throw Error(name +
-                "no cage keeps its distance when it is rounded, and there is no fine mesh: choose factors that " +
-                "differ less, or bake the scaled mesh");
+                "no cage has a certificate whose clearance exceeds the rounding to float32, and there is no fine mesh: "
+                "bake the scaled mesh");
   }
   set_outline(*result);
   return result;

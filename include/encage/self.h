@@ -21,7 +21,7 @@ namespace ENCAGE_EXPORT encage {
 
 struct SelfOptions {
   /// >= 0. Budget of work: a step is about the test of a box against eight, some 50 to 100 ns. A closed mesh that is
-  /// free of intersections takes some 100 steps a triangle.
+  /// free of intersections takes some 50 steps a triangle.
   std::int64_t most_steps = std::int64_t{1} << 28;
 };
 

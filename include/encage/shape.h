@@ -52,13 +52,13 @@ ShapePtr refit_shape(const Shape& shape, const Vertices& vertices);
 /// factors mirror: of an odd number of them the triangles are turned (corners 1 and 2 change places), so that outside
 /// stays outside. Triangles and vertices keep their numbers. Motion::scale does equal factors for nothing.
 ///
-/// Cages map to cages. Rounding to float32 moves them, so each is kept only if the clearance of its certificate,
-/// scaled by the least factor, is larger than that (1e-7 of the size, times the largest factor): factors may usually
-/// differ by a hundred times. Cages that no longer keep their distance, or never had a certificate, are left out.
-/// fine_error() grows by the largest factor and by rounding.
+/// Cages map to cages. Rounding to float32 moves them, so each is kept only if the clearance of its certificate is
+/// larger than that, 1e-7 of the size, which it usually is. Cages that no longer keep their distance, or never had a
+/// certificate, are left out. fine_error() grows by the largest factor and by rounding.
 ///
 /// The parts of a compound get shapes of their own: their poses stay rigid, and what the factors do to a turned part,
-/// shear included, is in its vertices. Parts that share a shape and are stretched in the same way go on to share one.
+/// shear included, is in its vertices. Rounding then counts as many times as much against the clearance as the factors
+/// differ: by a hundred times without harm. Parts that share a shape and are stretched in the same way go on to share one.
 ///
 /// Linear time, some times sooner than make_shape(). Throws Error for a factor whose size is not between 1e-50 and
 /// 1e50, for a shape of a ShapeCache with a fine mesh (load_shape() reads one that can be stretched), for coordinates
