@@ -42,6 +42,14 @@ void add_refits(const Workload& w) {
     for (auto _ : state) benchmark::DoNotOptimize(refit_shape(*straight, mesh->vertices));
     state.SetItemsProcessed(state.iterations() * count);
   })->Unit(benchmark::kMillisecond);
+  // Cages and all, and the fine mesh alone, as refit_shape() takes it.
+  for (const auto& [name, shape] : {std::pair{"with_cages", straight}, std::pair{"fine_mesh", refitted}}) {
+    benchmark::RegisterBenchmark((std::string("refit/scale_shape/") + name).c_str(), [shape = shape,
+                                                                                      count](benchmark::State& state) {
+      for (auto _ : state) benchmark::DoNotOptimize(scale_shape(*shape, {1.5, -1, 0.7}));
+      state.SetItemsProcessed(state.iterations() * count);
+    })->Unit(benchmark::kMillisecond);
+  }
   for (const auto& [name, shape] : {std::pair{"anew", anew}, std::pair{"refitted", refitted}}) {
     const std::string of = name;
     add("refit/separated/" + of, w.cases, [shape = shape](const Case& c) {

@@ -6,6 +6,8 @@
 #include "broadphase/shape/world_box.h"
 
 #include <encage/contact.h>
+#include <encage/distance.h>
+#include <encage/self.h>
 
 #include <algorithm>
 #include <string>
@@ -108,7 +110,12 @@ void add_stages(const Workload& w) {
   add("stage/half_space/reached/rest", resting_on, reaches);
   add("stage/half_space/reached/moving", landing, reaches);
   add("stage/half_space/free/moving", above, reaches);
+  add("stage/half_space/distance", resting_on,
+      [&](const BodyOnGround& b) { return encage::distance(shape, b.motion, b.plane).lower; });
   if (shape.simple().fine.empty()) return;
+  static const std::vector<int> once(1);
+  add("stage/self/intersects", once, [&](int) { return self_intersects(shape).answer; });
+  add("stage/self/distance", once, [&](int) { return self_distance(shape).lower; });
   add("stage/candidates/rest", cases_at_rest, [&](const Case& c) { return candidates(shape, c); });
   add("stage/candidates/moving", w.cases, [&](const Case& c) { return candidates(shape, c); });
   add("stage/first_contact", w.cases, [&](const Case& c) { return first_contact(shape, c.a, shape, c.b); });

@@ -5,11 +5,13 @@
 #include "broadphase/separation/plane_check.h"
 #include "broadphase/shape/compound.h"
 
+#include <encage/error.h>
 #include <encage/fine_lease.h>
 #include <encage/manifold.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,6 +27,10 @@ struct Scratch {
 Scratch& thread_scratch() {
   thread_local Scratch scratch;
   return scratch;
+}
+
+void refuse_unusable(const Motion& motion, const char* body) {
+  if (!is_usable(motion)) throw Error(std::string("contact manifold: ") + body + ": " + motion_defect(motion));
 }
 
 bool valid(const ManifoldOptions& options, std::span<ManifoldPoint> points) {
@@ -148,7 +154,9 @@ void ManifoldCache::clear() noexcept {
 int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                      const ManifoldOptions& options, ManifoldCache& cache, std::span<ManifoldPoint> points) {
   ManifoldCache::State& state = cache.state();
-  if (!valid(options, points) || !is_usable(motion_a) || !is_usable(motion_b)) return 0;
+  refuse_unusable(motion_a, "body a");
+  refuse_unusable(motion_b, "body b");
+  if (!valid(options, points)) return 0;
   Scratch& scratch = thread_scratch();
   ContactScratch& search = scratch.search;
   search.candidates.clear();
@@ -215,7 +223,8 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
 int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b, const ManifoldOptions& options,
                      ManifoldCache& cache, std::span<ManifoldPoint> points) {
   ManifoldCache::State& state = cache.state();
-  if (!valid(options, points) || !is_usable(motion_a)) return 0;
+  refuse_unusable(motion_a, "body a");
+  if (!valid(options, points)) return 0;
   if (!(std::abs(b.normal.norm() - 1) <= 1e-9) || !std::isfinite(b.offset)) return 0;
   Scratch& scratch = thread_scratch();
   ContactScratch& search = scratch.search;

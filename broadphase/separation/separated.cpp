@@ -11,6 +11,8 @@
 #include <encage/error.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <string>
 
 namespace encage {
@@ -132,8 +134,10 @@ struct PartTrianglePairs {
   const MovingPart& b;
   bool (*visit)(void* context, TrianglePair pair);
   void* context;
+  bool stopped = false;  ///< by the visitor
 
-  bool run(double margin) {
+  /// Returns false if the visitor stopped it or the steps ended.
+  bool run(double margin, std::int64_t steps) {
     if (!a.shape->has_fine() || !b.shape->has_fine()) return true;
     const FineLease lease_a(*a.shape), lease_b(*b.shape);
     const double distance =
@@ -143,10 +147,11 @@ struct PartTrianglePairs {
         {a.shape->fine, a.motion.scale}, {b.shape->fine, b.motion.scale},
         pair_motion(a.shape->frame, a.motion, b.shape->frame, b.motion), distance, Effort::full,
         [](void* c, std::int32_t i, std::int32_t j) {
-          const auto& [part_a, part_b, call, outer] = *static_cast<const PartTrianglePairs*>(c);
-          return call(outer, {part_a.first_triangle + i, part_b.first_triangle + j});
+          auto& pairs = *static_cast<PartTrianglePairs*>(c);
+          pairs.stopped = !pairs.visit(pairs.context, {pairs.a.first_triangle + i, pairs.b.first_triangle + j});
+          return !pairs.stopped;
         },
-        this);
+        this, &steps);
   }
 };
 
@@ -181,15 +186,29 @@ Verdict separated(const Shape& a, const Motion& motion_a, const HalfSpace& plane
   return verdict.all();
 }
 
-bool visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
-                          bool (*visit)(void* context, TrianglePair pair), void* context) {
+VisitEnd visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                              const TrianglePairOptions& options, bool (*visit)(void* context, TrianglePair pair),
+                              void* context) {
   const auto refuse = [](const std::string& reason) { throw Error("triangle pairs: " + reason); };
   if (!is_usable(motion_a)) refuse("body a: " + motion_defect(motion_a));
   if (!is_usable(motion_b)) refuse("body b: " + motion_defect(motion_b));
-  if (!(margin >= 0)) refuse("the margin " + number_text(margin) + " is negative or not a number");
-  return for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
-    return PartTrianglePairs{part_a, part_b, visit, context}.run(margin);
+  if (!(options.margin >= 0)) refuse("the margin " + number_text(options.margin) + " is negative or not a number");
+  if (options.most_steps < 0) refuse("most_steps is " + std::to_string(options.most_steps) + ", below 0");
+  VisitEnd end = VisitEnd::complete;
+  for_each_part_pair(a, motion_a, b, motion_b, options.margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
+    PartTrianglePairs pairs{part_a, part_b, visit, context};
+    if (pairs.run(options.margin, options.most_steps)) return true;
+    end = pairs.stopped ? VisitEnd::stopped : VisitEnd::exhausted;
+    return false;
   });
+  return end;
+}
+
+bool visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
+                          bool (*visit)(void* context, TrianglePair pair), void* context) {
+  constexpr std::int64_t unlimited = std::numeric_limits<std::int64_t>::max();
+  const TrianglePairOptions options{.margin = margin, .most_steps = unlimited};
+  return visit_triangle_pairs(a, motion_a, b, motion_b, options, visit, context) == VisitEnd::complete;
 }
 
 }  // namespace encage

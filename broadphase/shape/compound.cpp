@@ -3,6 +3,7 @@
 
 #include "broadphase/motion/pose.h"
 #include "broadphase/motion/turned_box.h"
+#include "broadphase/shape/assemble.h"
 #include "src/files/number_text.h"
 #include "src/limits.h"
 
@@ -13,7 +14,9 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -190,6 +193,62 @@ ShapePtr make_compound(std::span<const CompoundPart> parts) {
   }
   const TreeBuilder tree(*shape);
   return shape;
+}
+
+namespace {
+
+/// Returns the map of a part's own frame that becomes `factors` of the compound's frame after the part's pose. It is
+/// exact where the pose only exchanges axes or the factors are equal.
+Stretch stretch_of_part(const Eigen::Matrix3d& turn, const Eigen::Vector3d& factors) {
+  const Eigen::Vector3d sizes = factors.cwiseAbs();
+  const double departure = departure_from_rigid(turn);
+  Stretch stretch;
+  stretch.shortest = sizes.minCoeff() * (1 - 3 * departure);
+  stretch.longest = sizes.maxCoeff() * (1 + 3 * departure);
+  stretch.mirrors = factors.prod() < 0;
+  const bool exchanges_axes = (turn.array() == turn.array().cube()).all();
+  if ((factors.array() == factors[0]).all()) {
+    stretch.linear = factors.asDiagonal();
+  } else {
+    stretch.linear = turn.transpose() * factors.asDiagonal() * turn;
+    // docs/guarantee.md, "Stretched bodies", derives this bound.
+    if (!exchanges_axes) stretch.off = sizes.maxCoeff() * (1.01 * departure + 16 * eps);
+  }
+  return stretch;
+}
+
+}  // namespace
+
+ShapePtr stretched_compound(const CompoundShape& source, const Eigen::Vector3d& factors) {
+  struct Made {
+    const SimpleShape* of;
+    Eigen::Matrix3d linear;
+    std::shared_ptr<const SimpleShape> shape;
+  };
+  std::vector<Made> all;
+  const auto result = std::make_shared<CompoundShape>();
+  std::int32_t triangles = 0, vertices = 0;
+  for (std::size_t i = 0; i < source.parts.size(); ++i) {
+    const ShapePart& part = source.parts[i];
+    const std::string part_name = "scale: " + name(i);
+    const Stretch stretch = stretch_of_part(part.pose.linear(), factors);
+    auto made = std::find_if(all.begin(), all.end(), [&](const Made& before) {
+      return before.of == part.shape.get() && before.linear == stretch.linear;
+    });
+    if (made == all.end()) {
+      all.push_back({part.shape.get(), stretch.linear, stretched(*part.shape, stretch, part_name)});
+      made = std::prev(all.end());
+    }
+    Eigen::Isometry3d pose = part.pose;
+    pose.translation() = factors.cwiseProduct(part.pose.translation());
+    // Errors of positions grow with the factors.
+    const double reach = std::max(pose.translation().norm() + part.scale * made->shape->frame.reach(),
+                                  factors.cwiseAbs().maxCoeff() * part.reach);
+    add_part(*result, {made->shape, pose, part.scale, {}, reach, part.nesting + 1, 0, 0}, part_name, triangles,
+             vertices);
+  }
+  const TreeBuilder tree(*result);
+  return result;
 }
 
 std::int64_t part_count(const Shape& shape) noexcept {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/shape/shape.h"
 
+#include "broadphase/shape/assemble.h"
 #include "src/files/number_text.h"
 #include "src/limits.h"
 #include "src/mesh/rounding.h"
@@ -15,6 +16,7 @@
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace encage {
@@ -39,29 +41,6 @@ void check_mesh(const TriangleMesh& mesh) {
     }
   }
   if (mesh.triangles.rows() == 0) throw Error("mesh: no triangles");
-}
-
-/// Fills in everything but the surfaces. It repeats the checks of the reader for hierarchies from other sources.
-std::shared_ptr<SimpleShape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
-  if (levels > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
-  if (!(summary.origin.array().abs() <= largest_length).all()) {
-    throw Error("hierarchy: the origin is not finite or beyond 1e150");
-  }
-  if (!(summary.fine_error >= 0) || std::isinf(summary.fine_error)) {
-    throw Error("hierarchy: fine_error is not a finite distance");
-  }
-  auto shape = std::make_shared<SimpleShape>();
-  shape->frame.origin = summary.origin;
-  shape->solid = summary.solid;
-  shape->hollow = options.hollow;
-  shape->fine_error = summary.fine_error;
-  return shape;
-}
-
-void add_cage(SimpleShape& shape, const MeshArraysView& arrays) {
-  shape.cages.emplace_back(arrays);
-  shape.frame.radius = std::max(shape.frame.radius, shape.cages.back().radius);
-  if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
 }
 
 constexpr std::size_t most_points = 1024;
@@ -114,18 +93,32 @@ std::vector<std::array<float, 3>> box_corners(const Surface& surface) {
   return corners;
 }
 
-void set_fine(SimpleShape& shape, const MeshArraysView& arrays) {
-  shape.fine = Surface(arrays);
-  shape.fine_triangles = arrays.mesh.triangles.size();
-  shape.fine_vertices = arrays.mesh.vertices.size();
-  shape.frame.radius = std::max(shape.frame.radius, shape.fine.radius);
-}
-
-MeshArraysView keep(SimpleShape& shape, MeshArrays arrays) {
-  return shape.owned_arrays.emplace_back(std::move(arrays)).view();
-}
-
 }  // namespace
+
+// ---- Assembling --------------------------------------------------------------
+
+// Repeats the checks of the reader for hierarchies from other sources.
+std::shared_ptr<SimpleShape> describe(const AssetSummary& summary, std::size_t levels, const ShapeOptions& options) {
+  if (levels > std::numeric_limits<std::int16_t>::max()) throw Error("hierarchy has too many levels");
+  if (!(summary.origin.array().abs() <= largest_length).all()) {
+    throw Error("hierarchy: the origin is not finite or beyond 1e150");
+  }
+  if (!(summary.fine_error >= 0) || std::isinf(summary.fine_error)) {
+    throw Error("hierarchy: fine_error is not a finite distance");
+  }
+  auto shape = std::make_shared<SimpleShape>();
+  shape->frame.origin = summary.origin;
+  shape->solid = summary.solid;
+  shape->hollow = options.hollow;
+  shape->fine_error = summary.fine_error;
+  return shape;
+}
+
+void add_cage(SimpleShape& shape, const MeshArraysView& arrays) {
+  shape.cages.emplace_back(arrays);
+  shape.frame.radius = std::max(shape.frame.radius, shape.cages.back().radius);
+  if (!shape.cages.back().closed) throw Error(cage_name(shape.cages.size() - 1) + ": not closed");
+}
 
 // The outline is the fine mesh, or else the finest cage, if it has few vertices: near the body, and quick to project.
 // Otherwise boxes around the finest surface serve.
@@ -147,6 +140,17 @@ void set_outline(SimpleShape& shape) {
   };
   if (!shape.on_demand && fits(shape.fine)) return;
   if (std::none_of(shape.cages.begin(), shape.cages.end(), fits)) set(box_corners(shape.outer()));
+}
+
+void set_fine(SimpleShape& shape, const MeshArraysView& arrays) {
+  shape.fine = Surface(arrays);
+  shape.fine_triangles = arrays.mesh.triangles.size();
+  shape.fine_vertices = arrays.mesh.vertices.size();
+  shape.frame.radius = std::max(shape.frame.radius, shape.fine.radius);
+}
+
+MeshArraysView keep(SimpleShape& shape, MeshArrays arrays) {
+  return shape.owned_arrays.emplace_back(std::move(arrays)).view();
 }
 
 SimpleShape::SimpleShape()
@@ -182,9 +186,12 @@ ShapePtr make_shape(const CageHierarchy& hierarchy, const ShapeOptions& options)
   if (hierarchy.fine.triangles.rows() > 0) {
     set_fine(*shape, keep(*shape, make_mesh_arrays(hierarchy.fine, "fine mesh")));
   }
+  std::vector<double> clearances;
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     add_cage(*shape, keep(*shape, make_mesh_arrays(hierarchy.levels[k].mesh, cage_name(k))));
+    clearances.push_back(hierarchy.levels[k].certificate.clearance);
   }
+  shape->set_clearances(std::move(clearances));
   set_outline(*shape);
   return shape;
 }
@@ -239,6 +246,18 @@ void check_moved(const SimpleShape& shape, const Vertices& vertices) {
   }
 }
 
+}  // namespace
+
+MeshArrays copy_all_but_vertices(const MeshArraysView& of) {
+  MeshArrays arrays;
+  arrays.triangles.assign(of.mesh.triangles.begin(), of.mesh.triangles.end());
+  arrays.owned.assign(of.owned.begin(), of.owned.end());
+  arrays.parts.assign(of.parts.begin(), of.parts.end());
+  arrays.tree.nodes.assign(of.tree.nodes.begin(), of.tree.nodes.end());
+  arrays.tree.leaves.assign(of.tree.leaves.begin(), of.tree.leaves.end());
+  return arrays;
+}
+
 void find_extremes(const std::vector<std::int32_t>& part_of_vertex, MeshArrays& arrays) {
   for (MeshPart& part : arrays.parts) part.extremes.fill(part.vertex);
   for (std::size_t v = 0; v < part_of_vertex.size(); ++v) {
@@ -253,26 +272,33 @@ void find_extremes(const std::vector<std::int32_t>& part_of_vertex, MeshArrays& 
   }
 }
 
-}  // namespace
+std::vector<std::int32_t> find_part_of_vertex(const MeshView& of) {
+  TriangleMesh mesh;
+  mesh.vertices.setZero(static_cast<Eigen::Index>(of.vertices.size()), 3);
+  mesh.triangles.resize(static_cast<Eigen::Index>(of.triangles.size()), 3);
+  for (std::size_t t = 0; t < of.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) mesh.triangles(t, k) = static_cast<std::int32_t>(of.triangles[t][k]);
+  }
+  std::vector<std::int32_t> label;
+  triangle_components(mesh, label);
+  std::vector<std::int32_t> parts(of.vertices.size(), -1);
+  for (std::size_t t = 0; t < of.triangles.size(); ++t) {
+    for (const std::uint32_t v : of.triangles[t]) parts[v] = label[t];
+  }
+  return parts;
+}
 
 const std::shared_ptr<const std::vector<std::int32_t>>& SimpleShape::part_of_vertex() const {
   std::call_once(parts_known_, [this] {
-    if (known_parts) return;
-    TriangleMesh mesh;
-    mesh.vertices.setZero(static_cast<Eigen::Index>(fine.mesh.vertices.size()), 3);
-    mesh.triangles.resize(static_cast<Eigen::Index>(fine.mesh.triangles.size()), 3);
-    for (std::size_t t = 0; t < fine.mesh.triangles.size(); ++t) {
-      for (int k = 0; k < 3; ++k) mesh.triangles(t, k) = static_cast<std::int32_t>(fine.mesh.triangles[t][k]);
+    if (!known_parts) {
+      known_parts = std::make_shared<const std::vector<std::int32_t>>(find_part_of_vertex(fine.mesh));
     }
-    std::vector<std::int32_t> label;
-    triangle_components(mesh, label);
-    auto parts = std::make_shared<std::vector<std::int32_t>>(fine.mesh.vertices.size(), -1);
-    for (std::size_t t = 0; t < fine.mesh.triangles.size(); ++t) {
-      for (const std::uint32_t v : fine.mesh.triangles[t]) (*parts)[v] = label[t];
-    }
-    known_parts = std::move(parts);
   });
   return known_parts;
+}
+
+std::vector<double> SimpleShape::clearances() const {
+  return clearances_.empty() && asset ? asset->clearances() : clearances_;
 }
 
 ShapePtr refit_shape(const Shape& shape, const Vertices& vertices) {
@@ -290,14 +316,8 @@ ShapePtr refit_shape(const Shape& shape, const Vertices& vertices) {
     if ((*part_of_vertex)[v] >= 0) box.extend(vertices.row(v).transpose());
   }
   const Eigen::Vector3d origin = local_origin(box);
-  MeshArrays arrays;
-  const MeshArraysView& before = source.fine;
+  MeshArrays arrays = copy_all_but_vertices(source.fine);
   round_into(vertices, origin, arrays.vertices);
-  arrays.triangles.assign(before.mesh.triangles.begin(), before.mesh.triangles.end());
-  arrays.owned.assign(before.owned.begin(), before.owned.end());
-  arrays.parts.assign(before.parts.begin(), before.parts.end());
-  arrays.tree.nodes.assign(before.tree.nodes.begin(), before.tree.nodes.end());
-  arrays.tree.leaves.assign(before.tree.leaves.begin(), before.tree.leaves.end());
   find_extremes(*part_of_vertex, arrays);
   refit_tree(arrays.tree, {arrays.vertices, arrays.triangles});
   const double error = rounding_error(vertices, origin, arrays.vertices);
@@ -336,6 +356,7 @@ ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& optio
   AssetView view(file, Verify::cages, mode, AssetParts::arrays);
   view.fetch_fine();
   view.verify_fine();
+  view.fetch_clearances();
   view.close_file();
   const auto fine = view.fine();
   if (!fine && view.level_count() == 0) throw Error(file.string() + ": neither cages nor a fine mesh");
@@ -355,6 +376,7 @@ ShapePtr load_shape(const std::filesystem::path& file, const ShapeOptions& optio
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,
                     std::shared_ptr<MeshBudget> budget) {
   AssetView view(file, Verify::cages, mode, AssetParts::arrays);
+  if (view.fine_triangle_count() == 0) view.fetch_clearances();
   view.close_file();
   const std::size_t levels = view.level_count();
   if (levels == 0) throw Error(file.string() + ": no cages");

@@ -18,6 +18,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace encage {
@@ -120,6 +121,10 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   /// Returns the part of the fine mesh, which must be in memory, that each vertex belongs to; -1 where no triangle has
   /// it. The first call finds them. Thread safe.
   const std::shared_ptr<const std::vector<std::int32_t>>& part_of_vertex() const;
+  /// Returns Certificate::clearance of each cage. Reads the description of an asset that is mapped or was read; throws
+  /// Error if it is damaged. Thread safe.
+  std::vector<double> clearances() const;
+  void set_clearances(std::vector<double> all) { clearances_ = std::move(all); }  ///< unless the asset has them
 
   // These hold what a shape of the same triangles knows already; they may be empty.
   mutable std::vector<std::int32_t> known_twin;
@@ -139,6 +144,7 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   mutable std::optional<Features> features_{std::in_place};
   mutable std::once_flag parts_known_;
   mutable std::atomic<std::int64_t> feature_bytes_{0};
+  std::vector<double> clearances_;
 };
 
 /// One part of a compound.
@@ -179,9 +185,6 @@ inline const CompoundShape& Shape::compound() const {
   assert(is_compound_);
   return static_cast<const CompoundShape&>(*this);
 }
-
-/// Sets the outline of a shape that has its surfaces.
-void set_outline(SimpleShape& shape);
 
 /// Loads the shape of an asset with its fine mesh on demand.
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Certified bounds of the distance between two bodies, from cages or from the fine meshes.
+// Certified bounds of the distance between two bodies, from cages or from the fine meshes, and of the distance of a
+// body to a half-space.
 
 #include <encage/export.h>
 #include <encage/separated.h>
@@ -71,5 +72,33 @@ struct DistanceResult {
 /// throws, never allocates, except that a ShapeCache may have to read a fine mesh.
 DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                         const DistanceOptions& options = {}) noexcept;
+
+struct PlaneDistanceOptions {
+  /// World units, of any sign, usually infinite. The query does not look for larger distances.
+  double limit = std::numeric_limits<double>::infinity();
+};
+
+/// The distance of a body to a half-space: negative where the body reaches into it, and then the depth of its deepest
+/// vertex below the plane.
+struct PlaneDistance {
+  /// World units: lower <= distance <= upper. They differ by rounding (some 1e-14 of the body's size, its distance from
+  /// the world's origin and the half-space's offset) and by twice the CageHierarchy::fine_error. Without a fine mesh
+  /// `lower` comes from the finest cage and `upper` is infinite. `upper` is infinite, too, if the distance is not below
+  /// the limit.
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  /// World coordinates: the lowest vertex of the fine mesh, and its foot on the plane.
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), foot = Eigen::Vector3d::Zero();
+  /// This vertex, numbered as in CageHierarchy::fine, through all parts of a compound: the first one of equally low
+  /// ones. -1 if there is no fine mesh or the distance is not below the limit.
+  std::int32_t vertex = -1;
+};
+
+/// Computes the distance between a body at the start of its motion (the end does not count) and a half-space. If the
+/// start pose is not usable, the normal's length is not 1 within 1e-9, or a number is not finite, the bounds are minus
+/// and plus infinity. Takes a time that grows as the logarithm of the number of triangles, more where many are equally
+/// low. Re-entrant; never throws, never allocates, except that a ShapeCache may have to read a fine mesh.
+PlaneDistance distance(const Shape& shape, const Motion& motion, const HalfSpace& half_space,
+                       const PlaneDistanceOptions& options = {}) noexcept;
 
 }  // namespace encage

@@ -19,6 +19,7 @@
 #include <encage/poses.h>
 #include <encage/queries.h>
 #include <encage/rigid_pose.h>
+#include <encage/self.h>
 #include <encage/separated.h>
 #include <encage/shape.h>
 #include <encage/shape_cache.h>

@@ -873,7 +873,7 @@ inline void JoltContacts::query(Pair& pair, const std::array<Side, 2>& sides, do
   const std::array<const Shape*, 2> shapes = {a.shape.get(), b.shape.get()};
   if (shapes != pair.last) pair.cache.clear();
   pair.last = shapes;
-  const auto usable = [](const Side& side) { return side.is_plane || side.shape; };
+  const auto usable = [](const Side& side) { return side.is_plane || (side.shape && is_usable(side.motion)); };
   if (!usable(a) || !usable(b)) return;
   ManifoldOptions options{.margin = margin,
                           .radius_a = a.rounding,

@@ -63,10 +63,10 @@ class ManifoldCache {
 /// point; depths and directions of deep overlap are heuristic (docs/contacts.md).
 ///
 /// Meshes that enclose a volume are solid. Contacts of open and hollow ones are those of their surface, two-sided.
-/// Returns 0 if a motion is not usable (is_usable(); poses in float are not), a body has no fine mesh, the margin or a
-/// radius is negative, or `points` is empty. Throws Error if the mesh of a ShapeCache cannot be read. The first call
-/// with a shape computes its features. Re-entrant with different caches. Allocates only while the cache or the thread's
-/// working memory grows.
+/// Returns 0 if a body has no fine mesh, the margin or a radius is negative, or `points` is empty. Throws Error for a
+/// motion that is not usable (is_usable()): a pose in float or one that mirrors, of which nothing is known; and if the
+/// mesh of a ShapeCache cannot be read. The first call with a shape computes its features. Re-entrant with different
+/// caches. Allocates only while the cache or the thread's working memory grows.
 int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                      const ManifoldOptions& options, ManifoldCache& cache, std::span<ManifoldPoint> points);
 

@@ -81,8 +81,9 @@ struct TrianglePair {
 };
 
 /// Calls visit(TrianglePair) -> bool for every pair of fine triangles that is not proven farther apart than the margin
-/// during the motion (see separated()), in a fixed order, until visit returns false. Returns false if visit did. Visits
-/// none if a body has no fine mesh. Throws Error, before any call, for a motion or a margin that is not usable, of
+/// during the motion (see separated()), in a fixed order, until visit returns false. Returns false if visit did. There
+/// is no budget of work: of bodies in the same place this may visit nearly all pairs that there are. Visits none if a
+/// body has no fine mesh. Throws Error, before any call, for a motion or a margin that is not usable, of
 /// which nothing is known (two meshes of half a million triangles have 2.5e11 pairs), and if the fine mesh of a shape
 /// of a ShapeCache cannot be read. Re-entrant; allocates nothing, except to read such a mesh.
 template <class Visit>
@@ -96,5 +97,33 @@ bool for_each_triangle_pair(const Shape& a, const Motion& motion_a, const Shape&
 /// for_each_triangle_pair() with a plain function; visit(context, pair).
 bool visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b, double margin,
                           bool (*visit)(void* context, TrianglePair pair), void* context);
+
+struct TrianglePairOptions {
+  double margin = 0;  ///< world units, >= 0, usually 0
+  /// >= 0. Budget of work for each pair of simple shapes, as in PairOptions; a pair that is visited takes 16 steps.
+  std::int64_t most_steps = 1 << 20;
+};
+
+/// How the visits of triangle pairs ended.
+enum class VisitEnd : std::uint8_t {
+  complete,   ///< every pair that may be near was visited
+  stopped,    ///< visit returned false
+  exhausted,  ///< the budget of work ended: any pair that was not visited may be near, too
+};
+
+/// for_each_triangle_pair() with a budget of work. Which pairs are visited before it ends depends on the arguments
+/// alone. Throws Error as above, and for a negative budget.
+template <class Visit>
+[[nodiscard]] VisitEnd for_each_triangle_pair(const Shape& a, const Motion& motion_a, const Shape& b,
+                                              const Motion& motion_b, const TrianglePairOptions& options,
+                                              Visit&& visit) {
+  return visit_triangle_pairs(
+      a, motion_a, b, motion_b, options,
+      [](void* context, TrianglePair pair) { return (*static_cast<std::remove_reference_t<Visit>*>(context))(pair); },
+      const_cast<void*>(static_cast<const void*>(&visit)));
+}
+[[nodiscard]] VisitEnd visit_triangle_pairs(const Shape& a, const Motion& motion_a, const Shape& b,
+                                            const Motion& motion_b, const TrianglePairOptions& options,
+                                            bool (*visit)(void* context, TrianglePair pair), void* context);
 
 }  // namespace encage

@@ -48,6 +48,23 @@ ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options = {});
 /// refit one shape.
 ShapePtr refit_shape(const Shape& shape, const Vertices& vertices);
 
+/// Returns the same body stretched along the axes of its frame: x -> (scale_0 x_0, scale_1 x_1, scale_2 x_2). Negative
+/// factors mirror: of an odd number of them the triangles are turned (corners 1 and 2 change places), so that outside
+/// stays outside. Triangles and vertices keep their numbers. Motion::scale does equal factors for nothing.
+///
+/// Cages map to cages. Rounding to float32 moves them, so each is kept only if the clearance of its certificate is
+/// larger than that, 1e-7 of the size, which it usually is. Cages that no longer keep their distance, or never had a
+/// certificate, are left out. fine_error() grows by the largest factor and by rounding.
+///
+/// The parts of a compound get shapes of their own: their poses stay rigid, and what the factors do to a turned part,
+/// shear included, is in its vertices. Rounding then counts as many times as much against the clearance as the factors
+/// differ: by a hundred times without harm. Parts that share a shape and are stretched in the same way go on to share one.
+///
+/// Linear time, some times sooner than make_shape(). Throws Error for a factor whose size is not between 1e-50 and
+/// 1e50, for a shape of a ShapeCache with a fine mesh (load_shape() reads one that can be stretched), for coordinates
+/// beyond 1e37, and if neither cages nor a fine mesh are left. Any number of threads may stretch one shape.
+ShapePtr scale_shape(const Shape& shape, const Eigen::Vector3d& scale);
+
 /// Maps an asset and uses it in place, trees included. The file must not be overwritten or truncated while the shape
 /// lives; it may be replaced or removed. LoadMode::copy reads the file into memory instead and then no longer needs it.
 /// Throws Error naming file, section and reason. ShapeCache loads more assets than fit in memory.

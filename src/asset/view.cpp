@@ -235,6 +235,26 @@ void AssetView::fetch_head() {
   if (const std::size_t size = glb_head_size(all); size > likely_head) fetch_first(size);
 }
 
+void AssetView::fetch_clearances() {
+  if (!description_ && mode() != LoadMode::map && !image_.bytes().empty()) fetch_head();
+}
+
+std::vector<double> AssetView::clearances() const {
+  std::vector<double> all;
+  if (description_) {
+    for (const CageLevel& level : description_->levels) all.push_back(level.certificate.clearance);
+    return all;
+  }
+  const Glb glb = parse_glb(image_.bytes(), name_);
+  check_seal(glb, image_.bytes(), Verify::cages, name_);
+  const nlohmann::json document = parse_json(glb.json, name_ + ": JSON chunk");
+  const CageHierarchy description = read_description(find_extension(JsonNode(document, name_ + ": JSON")));
+  check_description(description, name_);
+  for (const CageLevel& level : description.levels) all.push_back(level.certificate.clearance);
+  if (all.size() != cages_.size()) throw Error(name_ + ": JSON: not as many levels as the index has");
+  return all;
+}
+
 /// Reads everything from the first section of kind `cage` on; in files that this library writes, these are all such
 /// sections.
 void AssetView::fetch_cages() {

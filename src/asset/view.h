@@ -76,6 +76,12 @@ class AssetView {
   std::optional<MeshArraysView> cage_arrays(std::size_t level) const;
   std::optional<MeshArraysView> fine_arrays() const;  ///< those of fine(), which must have a value
 
+  /// Returns Certificate::clearance of each cage, also if the asset was read from its index: parses the JSON. A file
+  /// that is not mapped needs fetch_clearances() before. Throws Error.
+  std::vector<double> clearances() const;
+  /// Reads what clearances() needs, if the file is not mapped. Throws Error.
+  void fetch_clearances();
+
   const std::vector<AssetSection>& sections() const { return sections_; }
   const AssetSection* find_section(std::string_view section_name) const;  ///< null if there is none
   /// Throws Error if the section's bytes do not match its hash.

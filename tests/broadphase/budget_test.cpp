@@ -10,12 +10,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 // Queries whose work would explode: very many triangles that touch at once, are equally near or stay near each other.
@@ -276,6 +278,66 @@ TEST(Budgets, LastForTurnsWithArcs) {
     const auto straight = first_contact(*ring, motion, *ring, rest, {.most_steps = 1 << 14});
     EXPECT_FALSE(straight);
   }
+}
+
+/// Visits until the budget ends, or until `most` pairs have been visited.
+VisitEnd visit_pairs(const Case& scene, std::int64_t steps, std::vector<std::pair<int, int>>& visited,
+                     std::size_t most = std::numeric_limits<std::size_t>::max()) {
+  visited.clear();
+  return for_each_triangle_pair(*scene.a, scene.motion_a, *scene.b, scene.motion_b,
+                                TrianglePairOptions{.margin = scene.margin, .most_steps = steps},
+                                [&](TrianglePair pair) {
+                                  visited.emplace_back(pair.a, pair.b);
+                                  return visited.size() < most;
+                                });
+}
+
+TEST(Budgets, EndVisitsOfTrianglePairsAndSaySo) {
+  int exhausted = 0, complete = 0;
+  for (const Case& scene : hard_cases(120)) {
+    SCOPED_TRACE(scene.name);
+    std::vector<std::pair<int, int>> all, visited;
+    EXPECT_TRUE(for_each_triangle_pair(*scene.a, scene.motion_a, *scene.b, scene.motion_b, scene.margin,
+                                       [&](TrianglePair pair) {
+                                         all.emplace_back(pair.a, pair.b);
+                                         return true;
+                                       }));
+    EXPECT_EQ(visit_pairs(scene, unlimited, visited), VisitEnd::complete);
+    EXPECT_EQ(visited, all);
+    for (const std::int64_t steps : {0, 1, 30, 1000, 1 << 13, 1 << 16, 1 << 20}) {
+      SCOPED_TRACE(steps);
+      const VisitEnd end = visit_pairs(scene, steps, visited);
+      ASSERT_LE(visited.size(), all.size());
+      EXPECT_TRUE(std::equal(visited.begin(), visited.end(), all.begin())) << "the first ones";
+      EXPECT_LE(static_cast<std::int64_t>(visited.size()), steps / 16 + 2) << "a pair takes 16 steps";
+      if (end == VisitEnd::complete) {
+        EXPECT_EQ(visited.size(), all.size());
+        ++complete;
+      } else {
+        EXPECT_EQ(end, VisitEnd::exhausted);
+        ++exhausted;
+      }
+    }
+    if (!all.empty()) {
+      EXPECT_EQ(visit_pairs(scene, unlimited, visited, 1), VisitEnd::stopped);
+      EXPECT_EQ(visited.size(), 1U);
+    }
+  }
+  EXPECT_GT(exhausted, 30);
+  EXPECT_GT(complete, 30);
+}
+
+TEST(Budgets, OfTrianglePairsEndByDefault) {
+  const ShapePtr pile = hollow(stack(6400));  // 41 million pairs touch
+  std::int64_t visited = 0;
+  EXPECT_EQ(for_each_triangle_pair(*pile, {}, *pile, {}, TrianglePairOptions{},
+                                   [&](TrianglePair) {
+                                     ++visited;
+                                     return true;
+                                   }),
+            VisitEnd::exhausted);
+  EXPECT_GT(visited, 1 << 12);
+  EXPECT_LE(visited, 1 << 16);
 }
 
 /// Pairs that are equally near need not be searched: the work grows as the number of triangles.

@@ -5,6 +5,7 @@
 #include "tests/broadphase/contact/ask_manifold.h"
 
 #include <encage/distance.h>
+#include <encage/error.h>
 #include <encage/manifold.h>
 
 #include <gtest/gtest.h>
@@ -1133,9 +1134,23 @@ TEST(BadInput, GetsNoPoints) {
   lost.end.translation().z() = nan;
   unusable.push_back(lost);
   for (const double scale : {0.0, -1.0, 1e60}) unusable.push_back(Motion::resting(Pose::Identity(), scale));
+  const auto error_of = [&](const auto& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "none";
+  };
   for (const Motion& motion : unusable) {
-    EXPECT_EQ(count(above, motion, {.margin = 1}, room), 0);
-    EXPECT_EQ(contact_manifold(*cube, motion, HalfSpace{}, {.margin = 1}, cache, room), 0);
+    const std::string why = motion_defect(motion);
+    const auto ask = [&](const Motion& a, const Motion& b) {
+      return error_of([&] { contact_manifold(*cube, a, *cube, b, {.margin = 1}, cache, room); });
+    };
+    EXPECT_EQ(ask(motion, above), "contact manifold: body a: " + why);
+    EXPECT_EQ(ask(above, motion), "contact manifold: body b: " + why);
+    EXPECT_EQ(error_of([&] { contact_manifold(*cube, motion, HalfSpace{}, {.margin = 1}, cache, room); }),
+              "contact manifold: body a: " + why);
   }
   for (const Vector& normal : {Vector(nan, 0, 0), Vector(0, 0, 0), Vector(infinity, 0, 0)}) {
     EXPECT_EQ(contact_manifold(*cube, {}, HalfSpace{normal, 0}, {.margin = 1}, cache, room), 0);
