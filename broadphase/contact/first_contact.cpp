@@ -6,6 +6,7 @@
 
 #include <encage/contact.h>
 #include <encage/error.h>
+#include <encage/primitives.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,8 +51,10 @@ class ENCAGE_HIDDEN FirstContactSearch {
       // Every contact of the narrow phase must pass the culling, whichever way the pair was found. So rounding is
       // included twice, and what moves while its times are uncertain.
       rounding_ = required(0);
-      distance_ = required(all.options_.margin + a.slack + b.slack) * (1 + 0x1p-40) + rounding_ +
-                  uncertain * motion_.displacement(a_.radius(), b_.radius());
+      distance_ = required(all.options_.margin + a.slack + b.slack + a.shape->contact_margin(a.motion.scale) +
+                           b.shape->contact_margin(b.motion.scale)) *
+                      (1 + 0x1p-40) +
+                  rounding_ + uncertain * motion_.displacement(a_.radius(), b_.radius());
     }
 
     /// Searches an interval. Returns false where the budget ends.
@@ -59,7 +62,7 @@ class ENCAGE_HIDDEN FirstContactSearch {
       if (t0 > narrow_.latest()) return true;
       const PairMotion part = motion_.part(t0, t1);
       if (balls_apart(a_, b_, part, required(t0, t1))) return true;
-      const double longest_way = 0.25 * std::min(a_.radius(), b_.radius());
+      const double longest_way = 0.25 * std::max(std::min(a_.radius(), b_.radius()), distance_);
       if (t1 - t0 <= shortest || !(part.displacement(a_.radius(), b_.radius()) > longest_way)) {
         // Arcs rise during an interval, and bodies come near: without them, few intervals are worth dividing.
         return visit(t0, t1, all_.options_.arc > 0 ? steps_of_interval_ : all_.options_.most_steps / 8);
@@ -169,14 +172,17 @@ void contact_with_plane(const MovingPart& a, const HalfSpace& plane, const Conta
     const Eigen::Vector3d x = a.motion.scale * (a.shape->frame.origin + a.shape->fine.vertex(vertex));
     const Eigen::Vector3d start = a.motion.start * x;
     // Positions, products and sums round by a few units of what they are made of.
-    const double size = x.lpNorm<1>() + a.motion.start.translation().lpNorm<1>() + std::abs(plane.offset);
-    overlapping |= time == 0 && plane.normal.dot(start) - plane.offset < -0x1p-46 * size - a.slack;
+    const double radius = a.motion.scale * a.shape->convex_radius;
+    const double error = a.shape->primitive ? a.shape->core_error_in_world(a.motion.scale) : 0;
+    const double size = x.lpNorm<1>() + a.motion.start.translation().lpNorm<1>() + std::abs(plane.offset) + radius;
+    overlapping |= time == 0 && plane.normal.dot(start) - plane.offset <
+                                    a.shape->least_radius(a.motion.scale) - error - 0x1p-46 * size - a.slack;
     Contact contact;
     contact.time = time;
     contact.kind = ContactKind::vertex_plane;
     contact.vertices = {a.first_vertex + vertex, -1, -1, -1};
     if (first && order(*first) <= order(contact)) return;
-    contact.point = (1 - time) * start + time * (a.motion.end * x);
+    contact.point = (1 - time) * start + time * (a.motion.end * x) - radius * plane.normal;
     contact.normal = plane.normal;
     first = contact;
   });
@@ -191,7 +197,8 @@ std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, con
   FirstContactSearch search(narrow, options);
   // Parts that boxes separate by this distance cannot be in contact for the narrow phase: required_distance() is below
   // it for all poses.
-  const double size = size_in_world(a, motion_a) + size_in_world(b, motion_b);
+  const double size = size_in_world(a, motion_a) + size_in_world(b, motion_b) + motion_a.scale * convex_radius(a) +
+                      motion_b.scale * convex_radius(b);
   const double margin = 2 * ((1 + 1e-6) * options.margin + options.arc) + 1e-6 * size;
   for_each_part_pair(a, motion_a, b, motion_b, margin, [&](const MovingPart& part_a, const MovingPart& part_b) {
     search.search(part_a, part_b);

@@ -166,6 +166,8 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
   bool tiles = false;
   const auto search_part = [&](const MovingPart& part_a, const MovingPart& part_b, bool for_tiles) {
     if (!part_a.shape->has_fine() || !part_b.shape->has_fine()) return true;
+    const double radius_a = options.radius_a + part_a.motion.scale * part_a.shape->convex_radius;
+    const double radius_b = options.radius_b + part_b.motion.scale * part_b.shape->convex_radius;
     const FineLease lease_a(*part_a.shape), lease_b(*part_b.shape);
     const RestingPair pair(part_a.shape->frame, part_a.motion, part_b.shape->frame, part_b.motion);
     search.a.place(part_a, pair.a, part_a.first_triangle);
@@ -176,7 +178,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
     set_steps(search, part_a, part_b, pair.origin);
     const std::size_t first = search.candidates.size();
     const ContactQuery query{.motion = motion,
-                             .limit = options.margin + radii,
+                             .limit = options.margin + radius_a + radius_b,
                              .error = pair.error + part_a.slack + part_b.slack,
                              .approach = drift_ahead(search),
                              .sides = state.sides,
@@ -190,9 +192,9 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const Shape& b, con
     const Eigen::Vector3d shift = pair.origin - origin;
     for (std::size_t i = first; i < search.candidates.size(); ++i) {
       ContactCandidate& c = search.candidates[i];
-      c.separation -= radii;
-      c.point_a += shift - options.radius_a * c.normal;
-      c.point_b += shift + options.radius_b * c.normal;
+      c.separation -= radius_a + radius_b;
+      c.point_a += shift - radius_a * c.normal;
+      c.point_b += shift + radius_b * c.normal;
     }
     return true;
   };
@@ -229,10 +231,11 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
   Scratch& scratch = thread_scratch();
   ContactScratch& search = scratch.search;
   search.candidates.clear();
-  const double radii = options.radius_a + options.radius_b;
   const Eigen::Vector3d origin = motion_a.start.translation();
   for_each_part(a, motion_a, [&](const MovingPart& part) {
     if (!part.shape->has_fine()) return true;
+    const double radius_a = options.radius_a + part.motion.scale * part.shape->convex_radius;
+    const double radii = radius_a + options.radius_b;
     const FineLease lease(*part.shape);
     const LocalFrame& frame = part.shape->frame;
     IndexMap& seen = search.a.vertex_index;
@@ -249,7 +252,7 @@ int contact_manifold(const Shape& a, const Motion& motion_a, const HalfSpace& b,
               b.offset;
           if (!(std::min(height, end) <= options.margin + radii)) return;
           ContactCandidate c;
-          c.point_a = at - origin - options.radius_a * b.normal;
+          c.point_a = at - origin - radius_a * b.normal;
           c.point_b = at - origin + (options.radius_b - height) * b.normal;
           c.normal = b.normal;
           c.separation = height - radii;

@@ -218,7 +218,9 @@ void PairContact::turn_to(std::int32_t triangle_a, std::int32_t triangle_b) {
   const PairMotion pair = pair_motion(local_a, a_.motion, local_b, b_.motion);
   a_.ends = pair.a;
   b_.ends = pair.b;
-  required_ = required_distance(local_a, a_.motion, local_b, b_.motion, options_.margin + a_.slack + b_.slack);
+  const double margin = options_.margin + a_.slack + b_.slack + a_.part->contact_margin(a_.motion.scale) +
+                        b_.part->contact_margin(b_.motion.scale);
+  required_ = required_distance(local_a, a_.motion, local_b, b_.motion, margin);
   rounding_ = required_distance(local_a, a_.motion, local_b, b_.motion, 0);
 }
 
@@ -298,8 +300,15 @@ void PairContact::add(const Found& found) noexcept {
   ++contacts_;
   steps_ += 8;
   const Vector apart = meeting.on_a - meeting.on_b;
+  const double scale_a = a_.motion.scale, scale_b = b_.motion.scale;
+  const double margin = options_.margin + a_.part->contact_margin(scale_a) + b_.part->contact_margin(scale_b);
+  if (time == 0) {
+    const double radii = a_.part->least_radius(scale_a) + b_.part->least_radius(scale_b);
+    const double errors = a_.part->core_error_in_world(scale_a) + b_.part->core_error_in_world(scale_b);
+    overlapping_ |= apart.norm() + errors + rounding_ + a_.slack + b_.slack < radii;
+  }
   // Across a margin the closest points define the direction; in contact their difference is mere rounding.
-  const double distance = options_.margin > 0 ? std::max(apart.norm(), 16 * rounding_) : 0;
+  const double distance = margin > 0 ? std::max(apart.norm(), 16 * rounding_) : 0;
   const double slack = 1e-6 * (longest_edge(corners.a) + longest_edge(corners.b)) + 16 * rounding_;
   const Vector normal = distance > 16 * rounding_ ? apart.normalized() : normal_in_contact(meeting, corners, slack);
   Ranked ranked;
@@ -313,7 +322,8 @@ void PairContact::add(const Found& found) noexcept {
   const auto origin = [&](const Eigen::Isometry3d& pose) {
     return Placement(pose, motion.scale).origin(a_.part->frame);
   };
-  ranked.contact.point = motion.start.linear() * (0.5 * (meeting.on_a + meeting.on_b)) +
+  const Vector rounder = 0.5 * (scale_b * b_.part->convex_radius - scale_a * a_.part->convex_radius) * normal;
+  ranked.contact.point = motion.start.linear() * (0.5 * (meeting.on_a + meeting.on_b) + rounder) +
                          ((1 - time) * origin(motion.start) + time * origin(motion.end));
   ranked.contact.normal = (motion.start.linear() * normal).normalized();
 

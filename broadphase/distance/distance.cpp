@@ -37,7 +37,8 @@ class Containment {
   }
 
   bool excluded(const ScaledSurface& surface_a, const ScaledSurface& surface_b) const {
-    return all_outside(surface_a, surface_b, pair_.b_to_a()) && all_outside(surface_b, surface_a, pair_.a_to_b());
+    return (flat_core(a_) || all_outside(surface_a, surface_b, pair_.b_to_a())) &&
+           (flat_core(b_) || all_outside(surface_b, surface_a, pair_.a_to_b()));
   }
 
  private:
@@ -50,22 +51,28 @@ double error_in_world(const SimpleShape& a, const SimpleShape& b, const RestingP
   return a.error_in_world(pair.scale_a) + b.error_in_world(pair.scale_b);
 }
 
+/// The same of cores.
+double core_error_in_world(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair) {
+  return a.core_error_in_world(pair.scale_a) + b.core_error_in_world(pair.scale_b);
+}
+
 /// cage_distance_bound() of simple shapes.
 double cage_bound(const SimpleShape& a, const SimpleShape& b, const RestingPair& pair,
                   const CageDistanceOptions& options, std::int64_t& steps) {
   double bound = ball_bound(a, b, pair, error_in_world(a, b, pair) + pair.error);
-  if (a.cages.empty() || b.cages.empty() || bound >= options.enough) return bound;
+  if (a.level(0) == nullptr || b.level(0) == nullptr || bound >= options.enough) return bound;
   const Containment containment(a, b, pair);
   if (containment.possible(unknown_in_cage(a), unknown_in_cage(b))) return bound;
-  const int count_a = level_count(a), count_b = level_count(b);
-  const int last = std::max(count_a, count_b) - 1;
+  const int last = std::max({level_count(a), level_count(b), 1}) - 1;
+  const double beyond = a.beyond_level(pair.scale_a) + b.beyond_level(pair.scale_b);
   for (int k = std::min(options.coarsest_cage, last); k >= std::clamp(options.finest_cage, 0, last); --k) {
-    const ScaledSurface cage_a(a.cages[std::min(k, count_a - 1)], pair.scale_a);
-    const ScaledSurface cage_b(b.cages[std::min(k, count_b - 1)], pair.scale_b);
+    const ScaledSurface cage_a(*a.level(k), pair.scale_a), cage_b(*b.level(k), pair.scale_b);
     const SurfaceDistance found = surface_distance(
-        cage_a, cage_b, pair, {.limit = options.enough, .tolerance = options.tolerance, .steps = &steps});
+        cage_a, cage_b, pair, {.limit = options.enough + beyond, .tolerance = options.tolerance, .steps = &steps});
     // Containment is decided only if the surfaces are farther apart than the error of a located point.
-    if (found.lower > std::max(bound, pair.located()) && containment.excluded(cage_a, cage_b)) bound = found.lower;
+    if (found.lower > std::max(bound, pair.located()) + beyond && containment.excluded(cage_a, cage_b)) {
+      bound = found.lower - beyond;
+    }
     if (bound >= options.enough) break;
   }
   return bound;
@@ -109,14 +116,29 @@ void look_inside(const SimpleShape& a, const SimpleShape& b, const RestingPair& 
   }
 }
 
+/// Moves the nearest points of cores to the surfaces of the primitives; where these meet, to a point of both.
+void move_to_surfaces(double radius_a, double radius_b, DistanceResult& result) {
+  const Eigen::Vector3d way = result.point_b - result.point_a;
+  const double length = way.norm();
+  if (result.upper == 0) {
+    result.point_a = result.point_b = result.point_a + radius_a / (radius_a + radius_b) * way;
+  } else if (length > 0) {
+    result.point_a += radius_a / length * way;
+    result.point_b -= radius_b / length * way;
+  }
+}
+
 /// distance() of simple shapes whose positions are off by `moved` at most. Points remain unset where the distance is
 /// not below the limit.
 DistanceResult simple_distance(const SimpleShape& a, const Motion& motion_a, const SimpleShape& b,
                                const Motion& motion_b, double moved, const DistanceOptions& options,
                                std::int64_t& steps) {
   const RestingPair pair(a.frame, motion_a, b.frame, motion_b);
-  const double slack = error_in_world(a, b, pair) + moved;
-  const double balls = ball_bound(a, b, pair, slack + pair.error);
+  const double radius_a = pair.scale_a * a.convex_radius, radius_b = pair.scale_b * b.convex_radius;
+  const bool rounded = radius_a + radius_b > 0;
+  const double slack = core_error_in_world(a, b, pair) + moved;
+  const double beyond = rounded ? error_in_world(a, b, pair) + moved : slack;
+  const double balls = ball_bound(a, b, pair, beyond + pair.error);
   if (balls >= options.limit) return {.lower = balls};
   FineLease lease_a, lease_b;
   if (!a.has_fine() || !b.has_fine() || !lease_a.take(a) || !lease_b.take(b)) {
@@ -124,18 +146,24 @@ DistanceResult simple_distance(const SimpleShape& a, const Motion& motion_a, con
     return {.lower = std::max(0.0, cage_bound(a, b, pair, finest, steps) - moved)};
   }
   const SurfaceDistance found = surface_distance({a.fine, pair.scale_a}, {b.fine, pair.scale_b}, pair,
-                                                 {.limit = options.limit + slack,
-                                                  .tolerance = options.tolerance,
+                                                 {.limit = options.limit + beyond,
+                                                  // A fraction of the cores' distance may be all of the bodies'.
+                                                  .tolerance = rounded ? 0 : options.tolerance,
                                                   .vertex_error = slack,
                                                   .hint = options.hint,
                                                   .steps = &steps});
-  DistanceResult result{std::max(0.0, found.lower - slack),
+  DistanceResult result{std::max(0.0, found.lower - beyond),
                         found.crossing ? 0 : found.upper + slack,
                         found.point_a,
                         found.point_b,
                         found.triangle_a,
                         found.triangle_b,
                         found.exhausted};
+  if (rounded) {
+    const double radii = a.least_radius(pair.scale_a) + b.least_radius(pair.scale_b);
+    result.upper = std::max(0.0, result.upper - radii);
+    if (!found.crossing) move_to_surfaces(radius_a, radius_b, result);
+  }
   if (found.lower > pair.located() + slack) {
     look_inside(a, b, pair, result);
   } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "broadphase/query/near_parts.h"
 #include "broadphase/query/ray_search.h"
+#include "broadphase/query/rounded.h"
 #include "broadphase/separation/containment.h"
 
 #include <encage/fine_lease.h>
@@ -46,6 +47,15 @@ class RayQuery {
 
   /// Looks for a hit before the one at hand, or as early in a triangle with a lower number.
   void cast(const PosedPart& part) {
+    if (part.shape().convex_radius > 0) {
+      visit_rounded(part, [&](const RayHit& hit) {
+        const bool before =
+            best_.triangle < 0 || hit.t < best_.t || (hit.t == best_.t && hit.triangle < best_.triangle);
+        if (before) best_ = hit;
+        return false;
+      });
+      return;
+    }
     FineLease lease;
     const Surface* fine = fine_surface(part.shape(), lease);
     if (fine == nullptr) {
@@ -66,6 +76,7 @@ class RayQuery {
 
   template <class Visit>
   bool visit_all(const PosedPart& part, Visit&& visit) {
+    if (part.shape().convex_radius > 0) return visit_rounded(part, visit);
     FineLease lease;
     const Surface* fine = fine_surface(part.shape(), lease);
     if (fine == nullptr) {
@@ -124,8 +135,18 @@ class RayQuery {
   bool unknown() const { return !std::isnan(entered_); }
 
  private:
-  void note_cage(const PosedPart& part) {
-    const std::optional<double> at = enters_cage(part, ray_);
+  /// Visits the hits of a primitive with a convex radius, by increasing t.
+  template <class Visit>
+  bool visit_rounded(const PosedPart& part, Visit&& visit) {
+    const RoundedHits found = cast_at_rounded(part, ray_, options_.back_faces == BackFaces::hit);
+    if (found.unknown) note_entry(found.from);
+    for (int i = 0; i < found.count; ++i) {
+      if (!visit(found.hits[static_cast<std::size_t>(i)])) return false;
+    }
+    return true;
+  }
+  void note_cage(const PosedPart& part) { note_entry(enters_cage(part, ray_)); }
+  void note_entry(const std::optional<double>& at) {
     if (at && !(entered_ <= *at)) entered_ = *at;
   }
   double last() const { return best_.triangle < 0 ? infinity : best_.t; }

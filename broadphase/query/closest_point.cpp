@@ -2,6 +2,7 @@
 #include "broadphase/contact/nearest_point.h"
 #include "broadphase/query/near_parts.h"
 #include "broadphase/query/point_side.h"
+#include "broadphase/query/rounded.h"
 #include "broadphase/separation/containment.h"
 
 #include <encage/fine_lease.h>
@@ -34,6 +35,14 @@ ClosestPoint beside_cage(const PosedPart& part, const Vector& p, double slack) {
   return result;
 }
 
+void set_feature(const PosedPart& part, const SurfacePoint& nearest, ClosestPoint& result) {
+  result.triangle = nearest.triangle + part.first_triangle();
+  result.feature = nearest.kind == SurfacePoint::Kind::face   ? SurfaceFeature::face
+                   : nearest.kind == SurfacePoint::Kind::edge ? SurfaceFeature::edge
+                                                              : SurfaceFeature::vertex;
+  result.corner = nearest.kind == SurfacePoint::Kind::face ? 0 : nearest.corner;
+}
+
 ClosestPoint on_fine(const PosedPart& part, const Surface& fine, const Vector& point, const Vector& p, double limit,
                      double slack) {
   ClosestPoint result;
@@ -45,15 +54,27 @@ ClosestPoint on_fine(const PosedPart& part, const Surface& fine, const Vector& p
   result.point = part.world(nearest.point);
   result.upper = (point - result.point).norm() * (1 + 4 * eps) + slack;
   result.lower = std::max(0.0, part.shortest(nearest.lower) - slack);
-  result.triangle = nearest.triangle + part.first_triangle();
-  result.feature = nearest.kind == SurfacePoint::Kind::face   ? SurfaceFeature::face
-                   : nearest.kind == SurfacePoint::Kind::edge ? SurfaceFeature::edge
-                                                              : SurfaceFeature::vertex;
-  result.corner = nearest.kind == SurfacePoint::Kind::face ? 0 : nearest.corner;
+  set_feature(part, nearest, result);
+  return result;
+}
+
+PartPoint on_rounded(const PosedPart& part, const Vector& point, double limit) {
+  const RoundedPoint found = nearest_on_rounded(part, point);
+  PartPoint result;
+  result.side = found.side();
+  result.closest.lower = std::max({0.0, found.lower, -found.upper});
+  if (result.closest.lower >= limit) {
+    result.closest.lower = limit;
+    return result;
+  }
+  result.closest.upper = std::max(std::abs(found.lower), std::abs(found.upper));
+  result.closest.point = found.point;
+  set_feature(part, found.core, result.closest);
   return result;
 }
 
 PartPoint ask(const PosedPart& part, const Vector& point, double limit, bool with_side) {
+  if (part.shape().convex_radius > 0) return on_rounded(part, point, limit);
   FineLease lease;
   const Surface* fine = fine_surface(part.shape(), lease);
   const Vector p = part.local(point);

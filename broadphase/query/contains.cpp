@@ -3,6 +3,7 @@
 #include "broadphase/query/near_parts.h"
 #include "broadphase/query/point_side.h"
 #include "broadphase/query/ray_search.h"
+#include "broadphase/query/rounded.h"
 #include "broadphase/separation/containment.h"
 
 #include <encage/fine_lease.h>
@@ -70,6 +71,7 @@ PointSide side_of(const PosedPart& part, const Surface* fine, const Eigen::Vecto
 PointSide side_of(const Shape& shape, const Motion& motion, const Eigen::Vector3d& point) noexcept {
   const auto of_part = [&](const MovingPart& moving) {
     const PosedPart part(moving);
+    if (part.shape().convex_radius > 0) return nearest_on_rounded(part, point).side();
     FineLease lease;
     const Surface* fine = fine_surface(part.shape(), lease);
     return side_of(part, fine, part.local(point), part.rounding(point.norm()) + part.fine_error(), false);

@@ -123,7 +123,8 @@ bool could_hold(const SimpleShape& host, double host_scale, const std::array<Aff
                 double slack) noexcept {
   const Surface& outer = host.outer();
   const ScaledSurface inner(guest.fine, guest_scale);
-  const double reach = slack + host.error_in_world(host_scale) + guest.error_in_world(guest_scale);
+  // Hosts are no primitives; of a guest that is one, the core counts, which lies outside if a point of it does.
+  const double reach = slack + host.error_in_world(host_scale) + guest.core_error_in_world(guest_scale);
   const Vector centre = 0.5 * host_scale * (outer.lower.cast<double>() + outer.upper.cast<double>());
   const Vector half = 0.5 * host_scale * (outer.upper.cast<double>() - outer.lower.cast<double>());
   // Points that are beyond the box along n at both ends, in the same sense, are beyond it throughout: vertex and box

@@ -23,6 +23,9 @@ inline Interior interior(const SimpleShape& shape) {
 /// True for a body whose interior is unknown when only its cages are tested.
 inline bool unknown_in_cage(const SimpleShape& shape) { return shape.solid == Solid::surface_only && !shape.hollow; }
 
+/// True for the core of a primitive that has no inside.
+inline bool flat_core(const SimpleShape& shape) { return shape.primitive && shape.hollow; }
+
 enum class Side { outside, inside, unknown };
 
 /// A ray runs along +`axis` and drifts by `slope1`, `slope2` along the two following axes.

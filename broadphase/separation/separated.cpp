@@ -44,10 +44,12 @@ class PartPair {
         steps_(steps) {}
 
   // Containment in an unknown interior is tested last, since it may need a fine mesh.
-  bool cages_apart(const Surface& of_a, const Surface& of_b) {
-    const ScaledSurface cage_a(of_a, scale_a_), cage_b(of_b, scale_b_);
-    return surfaces_apart(cage_a, cage_b, motion_, distance_, &steps_) && all_outside(cage_b, cage_a, a_to_b_) &&
-           all_outside(cage_a, cage_b, b_to_a_) && !hold(unknown_in_cage(a_), unknown_in_cage(b_));
+  bool cages_apart(int level) {
+    const ScaledSurface cage_a(*a_.level(level), scale_a_), cage_b(*b_.level(level), scale_b_);
+    const double distance = distance_ + a_.beyond_level(scale_a_) + b_.beyond_level(scale_b_);
+    return surfaces_apart(cage_a, cage_b, motion_, distance, &steps_) &&
+           (flat_core(b_) || all_outside(cage_b, cage_a, a_to_b_)) &&
+           (flat_core(a_) || all_outside(cage_a, cage_b, b_to_a_)) && !hold(unknown_in_cage(a_), unknown_in_cage(b_));
   }
 
   bool exhausted() const { return steps_ < 0; }
@@ -90,11 +92,10 @@ Verdict simple_separated(const SimpleShape& a, const Motion& motion_a, const Sim
   const bool fine = options.fine && a.has_fine() && b.has_fine();
   const bool cages = options.cages == CageUse::always ||
                      (options.cages == CageUse::automatic && (!fine || a.on_demand || b.on_demand));
-  if (cages && !a.cages.empty() && !b.cages.empty()) {
-    const int count_a = level_count(a), count_b = level_count(b);
-    const int coarsest = std::min(options.coarsest_cage, std::max(count_a, count_b) - 1);
+  if (cages && a.level(0) != nullptr && b.level(0) != nullptr) {
+    const int coarsest = std::min(options.coarsest_cage, std::max(level_count(a), level_count(b)) - 1);
     for (int k = coarsest; k >= std::max(options.finest_cage, 0); --k) {
-      if (pair.cages_apart(a.cages[std::min(k, count_a - 1)], b.cages[std::min(k, count_b - 1)])) {
+      if (pair.cages_apart(k)) {
         return {true, Stage::cage, static_cast<std::int16_t>(k)};
       }
       last = {.stage = Stage::cage, .level = static_cast<std::int16_t>(k), .exhausted = pair.exhausted()};

@@ -47,7 +47,7 @@ bool visit_intervals(const ScaledSurface& a, const ScaledSurface& b, const PairM
   constexpr double shortest = 0x1p-8;
   const PairMotion part = motion.part(t0, t1);
   if (balls_apart(a, b, part, distance)) return true;
-  const double longest_way = 0.25 * std::min(a.radius(), b.radius());
+  const double longest_way = 0.25 * std::max(std::min(a.radius(), b.radius()), distance);
   if (t1 - t0 <= shortest || !(part.displacement(a.radius(), b.radius()) > longest_way)) return visit(t0, t1);
   const double middle = 0.5 * (t0 + t1);
   return visit_intervals(a, b, motion, distance, visit, t0, middle) &&

@@ -208,6 +208,33 @@ ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options) {
   return make_shape(hierarchy, options);
 }
 
+std::shared_ptr<SimpleShape> make_primitive(const TriangleMesh& core, double error, double convex_radius, bool flat) {
+  check_mesh(core);
+  TriangleMesh fine = core;
+  const Eigen::AlignedBox3d box = bounds(fine);
+  const Eigen::Vector3d origin = local_origin(box);
+  fine.vertices.rowwise() -= origin.transpose();
+  const double rounded = round_vertices(fine);
+  const auto shape = describe({origin, Solid::closed, (error + rounded) * (1 + 4 * eps)}, 0, {.hollow = flat});
+  shape->primitive = true;
+  shape->convex_radius = convex_radius;
+  // Bounds in the tree have the core's extent as their unit. That of a point is 0, beside which all others are too
+  // large to compare. The radius gives a better one, by two more vertices while the tree is built.
+  const Eigen::Index count = fine.vertices.rows();
+  if (convex_radius > 0) {
+    fine.vertices.conservativeResize(count + 2, Eigen::NoChange);
+    for (int side = 0; side < 2; ++side) {
+      const Eigen::Vector3d corner = box.center() - origin + Eigen::Vector3d::Constant((2 * side - 1) * convex_radius);
+      fine.vertices.row(count + side) = round_to_float(corner).transpose();
+    }
+  }
+  MeshArrays arrays = make_mesh_arrays(fine, "primitive");
+  arrays.vertices.resize(static_cast<std::size_t>(count));
+  set_fine(*shape, keep(*shape, std::move(arrays)));
+  set_outline(*shape);
+  return shape;
+}
+
 // ---- Refitting ---------------------------------------------------------------
 
 namespace {
@@ -304,6 +331,7 @@ std::vector<double> SimpleShape::clearances() const {
 ShapePtr refit_shape(const Shape& shape, const Vertices& vertices) {
   if (shape.is_compound()) throw Error("refit: a compound; refit its parts and make it anew");
   const SimpleShape& source = shape.simple();
+  if (source.primitive) throw Error("refit: a primitive, which has no vertices of its own; make it anew");
   if (source.on_demand) {
     throw Error(
         "refit: the mesh of a ShapeCache or a height field; load_shape() and make_shape() keep theirs in memory");

@@ -6,10 +6,12 @@
 #include "broadphase/shape/outline.h"
 #include "broadphase/shape/surface_features.h"
 #include "src/asset/view.h"
+#include "src/mesh/moments.h"
 #include "src/tree/mesh_arrays.h"
 
 #include <encage/shape.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cassert>
@@ -91,8 +93,11 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   const std::uint64_t number;  ///< > 0, of no other shape of the process
   LocalFrame frame;            ///< of all surfaces; its radius is the largest of theirs
   Solid solid = Solid::closed;
-  bool hollow = false;         ///< the body is its surface alone
-  double fine_error = 0;       ///< largest distance of a source vertex from its fine vertex
+  bool hollow = false;     ///< the body is its surface alone
+  double fine_error = 0;   ///< largest distance of a source vertex from its fine vertex
+  bool primitive = false;  ///< of <encage/primitives.h>: convex, without cages, and a hollow core if it has no volume
+  /// Of a primitive: the body is all points within it of the fine mesh, its core, and of what that encloses.
+  double convex_radius = 0;
   std::vector<Surface> cages;  ///< fine to coarse; each closed
   Surface fine;                ///< may be empty; for a mesh on demand valid only while a FineLease exists
   std::size_t fine_triangles = 0, fine_vertices = 0;  ///< also while the fine mesh is not in memory
@@ -102,8 +107,23 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   bool has_fine() const { return on_demand || !fine.empty(); }
   /// Returns the surface whose box bounds the body; it is always in memory.
   const Surface& outer() const { return on_demand || fine.empty() ? cages.front() : fine; }
-  /// Returns how far the source may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
-  double error_in_world(double scale) const { return has_fine() ? (1 + 1e-8) * scale * fine_error : 0; }
+  /// Returns how far the body may reach beyond outer() in the world. A usable pose stretches it by less than 1e-9.
+  double error_in_world(double scale) const {
+    return has_fine() ? (1 + 1e-8) * scale * (fine_error + convex_radius) : 0;
+  }
+  /// The same of a primitive's core, as if the radius were 0.
+  double core_error_in_world(double scale) const { return has_fine() ? (1 + 1e-8) * scale * fine_error : 0; }
+  /// Returns how much of the radius the body has in the world at least, beyond the core as it was given.
+  double least_radius(double scale) const { return (1 - 1e-8) * scale * convex_radius; }
+  /// Returns the distance from the fine mesh, in the world, that counts as contact of the body.
+  double contact_margin(double scale) const { return primitive ? error_in_world(scale) : 0; }
+  /// Returns what stands for cage `k`, or the coarsest: a primitive stands for itself. Null if there is none.
+  const Surface* level(int k) const {
+    if (cages.empty()) return primitive ? &fine : nullptr;
+    return &cages[std::min(static_cast<std::size_t>(k), cages.size() - 1)];
+  }
+  /// Returns how far the body may reach beyond what level() returns, in the world.
+  double beyond_level(double scale) const { return cages.empty() ? error_in_world(scale) : 0; }
   /// Returns the features of the fine mesh, which must be in memory. The first call makes them; they are kept, unless
   /// forget_features() is called. Thread safe.
   const SurfaceFeatures& features() const {
@@ -125,6 +145,13 @@ class ENCAGE_HIDDEN SimpleShape final : public Shape {
   /// Error if it is damaged. Thread safe.
   std::vector<double> clearances() const;
   void set_clearances(std::vector<double> all) { clearances_ = std::move(all); }  ///< unless the asset has them
+
+  /// Moments of a primitive, exact, about a point of the local frame.
+  struct KnownMoments {
+    Moments moments;
+    Eigen::Vector3d apex = Eigen::Vector3d::Zero();
+  };
+  std::optional<KnownMoments> known_moments;
 
   // These hold what a shape of the same triangles knows already; they may be empty.
   mutable std::vector<std::int32_t> known_twin;
@@ -185,6 +212,10 @@ inline const CompoundShape& Shape::compound() const {
   assert(is_compound_);
   return static_cast<const CompoundShape&>(*this);
 }
+
+/// Makes a primitive of its core, as make_shape() makes a shape. `error` bounds how far the core that was meant is from
+/// the mesh, in both directions; `flat` says that the mesh encloses no volume. Throws Error as make_shape() does.
+std::shared_ptr<SimpleShape> make_primitive(const TriangleMesh& core, double error, double convex_radius, bool flat);
 
 /// Loads the shape of an asset with its fine mesh on demand.
 ShapePtr load_cages(const std::filesystem::path& file, const ShapeOptions& options, LoadMode mode,

@@ -5,6 +5,7 @@
 #include "src/mesh/moments.h"
 
 #include <encage/error.h>
+#include <encage/primitives.h>
 #include <encage/shape_mesh.h>
 
 #include <algorithm>
@@ -117,6 +118,15 @@ double fine_error(const Shape& shape) noexcept {
   return largest;
 }
 
+double convex_radius(const Shape& shape) noexcept {
+  if (!shape.is_compound()) return shape.simple().convex_radius;
+  double largest = 0;
+  for (const ShapePart& part : shape.compound().parts) {
+    largest = std::max(largest, part.scale * part.shape->convex_radius);
+  }
+  return largest;
+}
+
 Solid solid(const Shape& shape) noexcept {
   Solid least = Solid::closed;
   for_each_simple(shape, [&](const SimpleShape& of, double) { least = std::max(least, of.solid); });
@@ -161,6 +171,12 @@ MassProperties mass_properties(const Shape& shape) {
   };
   for_each_part(shape, {}, [&](const MovingPart& part) {
     const SimpleShape& of = *part.shape;
+    if (of.known_moments) {
+      add_moments(of.known_moments->moments, part, of.known_moments->apex, about, whole);
+      ++part_number;
+      return true;
+    }
+    if (of.convex_radius > 0) refuse("a convex hull with a radius: give its moments yourself, e.g. those of the hull");
     if (!of.has_fine()) refuse("the shape has no fine mesh");
     const FineLease lease(of);
     const Surface& fine = of.fine;
@@ -172,10 +188,10 @@ MassProperties mass_properties(const Shape& shape) {
     return true;
   });
   MassProperties body = body_of(whole, about);
-  double squared_radius = 0;
   for_each_part(shape, {}, [&](const MovingPart& part) {
     const SimpleShape& of = *part.shape;
     const FineLease lease(of);
+    double squared_radius = 0;
     for (std::int64_t t = 0; t < static_cast<std::int64_t>(of.fine_triangles); ++t) {
       for (int k = 0; k < 3; ++k) {
         const Eigen::Vector3d x = of.frame.origin + corner_of(of.fine, t, k);
@@ -183,9 +199,10 @@ MassProperties mass_properties(const Shape& shape) {
             std::max(squared_radius, (part.motion.start * (part.motion.scale * x) - body.centre).squaredNorm());
       }
     }
+    const double beyond = of.primitive ? of.error_in_world(part.motion.scale) : 0;
+    body.radius = std::max(body.radius, std::sqrt(squared_radius) + beyond);
     return true;
   });
-  body.radius = std::sqrt(squared_radius);
   return body;
 }
 

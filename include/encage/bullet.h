@@ -68,8 +68,9 @@ class BulletAdapter {
   /// stored fine mesh; its vertices may be rounded to float, and it may be locally scaled by one factor. Call it again
   /// after any change of the mesh, its margin, its scaling or updateBound(); until then the adapter notices a change of
   /// margin or scaling, and rejects nothing. Call detach() before the mesh is destroyed: the adapter does not own it.
-  /// O(n). Throws Error for a null shape, a compound, a mesh without updateBound(), a margin that is negative or not
-  /// finite, vertices that are not finite, and a mesh whose box is not the asset's (another unit, frame or mesh).
+  /// O(n). Throws Error for a null shape, a compound, one with a convex_radius(), a mesh without updateBound(), a
+  /// margin that is negative or not finite, vertices that are not finite, and a mesh whose box is not the asset's
+  /// (another unit, frame or mesh).
   void attach(const btGImpactMeshShape& mesh, ShapePtr shape);
 
   /// Stops rejecting pairs of this mesh. Returns false if it was not attached.

@@ -61,8 +61,8 @@ struct BulletMeshShapeOptions {
 /// Contacts need a BulletMeshContacts. Sweep tests (convexSweepTest) are Bullet's, of the triangles near the way.
 class BulletMeshShape final : public btConcaveShape {
  public:
-  /// Throws Error if the shape is null or has no fine mesh, if an option is out of range, or if the mass properties of
-  /// a body in the principal frame cannot be computed (mass_properties()). O(n).
+  /// Throws Error if the shape is null, has no fine mesh or has a convex_radius(), if an option is out of range, or if
+  /// the mass properties of a body in the principal frame cannot be computed (mass_properties()). O(n).
   explicit BulletMeshShape(ShapePtr shape, const BulletMeshShapeOptions& options = {});
   /// Loads the asset and checks, by require_source(), that it was baked from this mesh. Throws Error, which names the
   /// file. `source` is only used during the call.

@@ -65,12 +65,14 @@ struct Contact {
   /// Vertices of the fine meshes: first those of a's feature, then those of b's, each in increasing order. Unused
   /// entries are -1.
   std::array<std::int32_t, 4> vertices = {-1, -1, -1, -1};
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< world, midway between the features at `time`
+  /// World, midway between the features at `time`; where primitives have a convex radius, between their surfaces.
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
   /// World, unit length, from b towards a: the bodies part if a moves along it. Of overlapping bodies it is that of
   /// some features that touch, and need not part them.
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  /// The surfaces are proven to cross at the start, or a vertex to be inside the half-space; `time` is 0 then. Bodies
-  /// that merely touch, and one that lies inside the other, do not count.
+  /// The surfaces are proven to cross at the start, cores of primitives to be nearer than their radii, or a vertex to
+  /// be inside the half-space; `time` is 0 then. Bodies that merely touch, and one that lies inside the other, do not
+  /// count.
   bool overlapping = false;
   /// first_contact() reached the end of its budget of work (ContactOptions::most_steps), as happens where very many
   /// triangles touch at once or stay very near each other. No contact begins before `time`. But the features may touch
@@ -174,12 +176,14 @@ class PairContact {
 /// Finds the first contact of the surfaces of two moving bodies: it tests boxes, then the bodies' trees, and passes the
 /// remaining triangles to PairContact. The result is that of PairContact over all pairs of triangles. No value means:
 /// it is proven that meshes that do not intersect at the start do not touch during the step (docs/guarantee.md).
-/// separated() at rest can prove that they do not intersect at the start. The result says nothing about a body that
-/// lies inside the other without touching it. Bodies turn the short way, whatever the rotation was (Motion), and their
-/// vertices move straight but for ContactOptions::arc. Requirements and errors are those of PairContact. The query
-/// always needs the fine meshes, so for shapes of a ShapeCache call separated() first. Where the budget of work ends
-/// the query, the contact says so: Contact::exhausted. Re-entrant; otherwise never throws, and allocates only where a
-/// ShapeCache has to read a mesh.
+/// separated() at rest can prove that they do not intersect at the start. Of primitives the result holds for the body,
+/// not for the mesh: features touch where they are as far apart as the convex radii and fine_error() of primitives say
+/// (that of meshes does not count); the contact's vertices are those of cores. The result says nothing about a body
+/// that lies inside the other without touching it. Bodies turn the short way, whatever the rotation was (Motion), and
+/// their vertices move straight but for ContactOptions::arc. Requirements and errors are those of PairContact. The
+/// query always needs the fine meshes, so for shapes of a ShapeCache call separated() first. Where the budget of work
+/// ends the query, the contact says so: Contact::exhausted. Re-entrant; otherwise never throws, and allocates only
+/// where a ShapeCache has to read a mesh.
 std::optional<Contact> first_contact(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                                      const ContactOptions& options = {});
 

@@ -29,8 +29,9 @@ struct CageDistanceOptions {
 /// Returns a lower bound, in world units, of the distance between two bodies at the start of their motions: never
 /// larger than the distance, rounding included, and at most `enough`. It comes from the cages, or from bounding balls
 /// of the bodies where these give more. It is 0 where the bodies may touch or one may contain the other, and where a
-/// start pose is not usable. Levels are paired as in separated(). For compounds it is the minimum over all pairs of
-/// parts. Re-entrant; never throws, never allocates, except that a ShapeCache may have to read a fine mesh.
+/// start pose is not usable. Levels are paired as in separated(); a primitive stands for its cages. For compounds it is
+/// the minimum over all pairs of parts. Re-entrant; never throws, never allocates, except that a ShapeCache may have to
+/// read a fine mesh.
 double cage_distance_bound(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                            const CageDistanceOptions& options = {}) noexcept;
 
@@ -50,16 +51,17 @@ struct DistanceOptions {
 struct DistanceResult {
   /// World units: lower <= distance <= upper. Both are 0 if it is proven that the bodies touch or that one contains a
   /// part of the other. Without tolerance they differ by rounding (some 1e-14 of the sizes of both bodies, their local
-  /// origins and the difference of their translations) and by twice the CageHierarchy::fine_error of both bodies. They
-  /// differ by more only next to degenerate triangles, and where `lower` is 0 because an unknown interior
-  /// (Solid::surface_only) may contain the other body. `upper` is infinite if the distance is not below the limit.
+  /// origins and the difference of their translations) and by twice the CageHierarchy::fine_error of both bodies, and
+  /// by 2e-8 of the convex radii of primitives, for which the tolerance is 0. They differ by more only next to
+  /// degenerate triangles, and where `lower` is 0 because an unknown interior (Solid::surface_only) may contain the
+  /// other body. `upper` is infinite if the distance is not below the limit.
   double lower = 0;
   double upper = std::numeric_limits<double>::infinity();
-  /// Points of the fine meshes, in world coordinates, that are at most `upper` apart. They are equal if one body
-  /// contains a part of the other.
+  /// Points of the fine meshes, in world coordinates, that are at most `upper` apart; of primitives with a convex
+  /// radius points of their surfaces. They are equal if one body contains a part of the other.
   Eigen::Vector3d point_a = Eigen::Vector3d::Zero(), point_b = Eigen::Vector3d::Zero();
-  /// The fine triangles that contain these points, numbered as in CageHierarchy::fine; -1 where the point is inside the
-  /// body or the distance is not below the limit.
+  /// The fine triangles that contain these points, or are nearest to them in a core, numbered as in
+  /// CageHierarchy::fine; -1 where the point is inside the body or the distance is not below the limit.
   std::int32_t triangle_a = -1, triangle_b = -1;
   /// The query reached the end of its budget of work (DistanceOptions::most_steps), as happens where very many
   /// triangles are equally near. The bounds hold, but may differ by more than is said above.

@@ -17,6 +17,7 @@
 #include <encage/mass_properties.h>
 #include <encage/mesh.h>
 #include <encage/poses.h>
+#include <encage/primitives.h>
 #include <encage/queries.h>
 #include <encage/rigid_pose.h>
 #include <encage/self.h>

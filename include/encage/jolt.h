@@ -24,6 +24,7 @@
 #include <encage/fine_lease.h>
 #include <encage/manifold.h>
 #include <encage/mass_properties.h>
+#include <encage/primitives.h>
 #include <encage/shape.h>
 
 // Jolt wants its first.
@@ -82,7 +83,8 @@ struct JoltSubmersion {
 class JoltMesh {
  public:
   /// `mesh` is the one that the shape was made of, in its body frame. It is only used during the call. Throws Error if
-  /// the shape is null, if the mesh is not within its box, or if Jolt refuses the mesh. O(n log n).
+  /// the shape is null or has a convex_radius(), if the mesh is not within its box, or if Jolt refuses the mesh.
+  /// O(n log n).
   JoltMesh(ShapePtr shape, const TriangleMesh& mesh);
   explicit JoltMesh(const TriangleMesh& mesh) : JoltMesh(make_shape(mesh), mesh) {}
   /// Loads an asset with its fine mesh. Throws Error, which names the file.
@@ -483,6 +485,10 @@ class Leaves final : public JPH::TransformedShapeCollector {
 
 inline JoltMesh::JoltMesh(ShapePtr shape, const TriangleMesh& mesh) : shape_(std::move(shape)) {
   if (!shape_) throw Error("Jolt mesh: the shape is null");
+  if (const double radius = convex_radius(*shape_); radius > 0) {
+    throw Error("Jolt mesh: the shape has a convex radius of " + std::to_string(radius) +
+                ", which its mesh has not: use a shape of Jolt's, e.g. JPH::CapsuleShape");
+  }
   lease_ = std::make_shared<const FineLease>(*shape_);
   const Eigen::AlignedBox3d box = bounds(mesh), shape_box = world_box(*shape_, Motion{});
   const double rounding = 1e-6 * box.sizes().maxCoeff();

@@ -19,7 +19,8 @@ struct ManifoldOptions {
   /// resting bodies do not come and go.
   double margin = 0;
   /// World units, >= 0, usually 0: each body is its mesh and everything within this distance. A mesh of one degenerate
-  /// triangle and a radius is a sphere or a capsule. Points lie on the rounded surfaces.
+  /// triangle and a radius is a sphere or a capsule. Points lie on the rounded surfaces. The convex radius of a
+  /// primitive counts in addition.
   double radius_a = 0, radius_b = 0;
   int most_points = 16;    ///< > 0, of a pair
   int most_per_patch = 4;  ///< > 0

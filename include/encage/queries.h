@@ -15,6 +15,9 @@
 #include <span>
 #include <type_traits>
 
+// Of primitives with a convex radius (<encage/primitives.h>) queries are about their surface; triangles and features
+// are those of the core that are nearest. Their convex radius counts with 1e-8 of itself as rounding, but for rays.
+//
 // Every query takes a body at the start of its motion: Motion::resting(pose, scale) for one that rests. Queries are
 // about the fine mesh. They are re-entrant and never throw. They never allocate, except that a ShapeCache may have to
 // read a fine mesh. The same calls give the same bits on every instruction set. A call about many rays or points gives
@@ -67,6 +70,10 @@ struct RayResult {
 /// the plane of a triangle. A ray that passes a triangle within the rounding may hit. Degenerate triangles are hit as
 /// the segments and points that they are. `hit.t` is off by the rounding divided by |direction| and by the sine of the
 /// angle between ray and triangle. Of several hits with the same t the first in the mesh counts.
+///
+/// A ray enters a primitive with a convex radius at most once, and leaves it at most once, seen from behind. The normal
+/// is that of the surface; triangle and weights are those of the nearest point of the core. Such a ray takes time
+/// proportional to the number of vertices of the core. The answer is unknown where the search has not come to an end.
 ///
 /// A body without a fine mesh, or one whose mesh a ShapeCache cannot read, is what its finest cage encloses: the answer
 /// is a miss if the ray stays outside of that, else unknown. It is unknown, with t = t_min, if the start pose is not

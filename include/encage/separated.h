@@ -57,8 +57,9 @@ struct PairOptions {
 /// Proves that two bodies stay farther apart than the margin while every vertex moves on its straight line, or answers
 /// "maybe". The stages follow each other in this order: boxes, cages from coarse to fine (by default only where no fine
 /// mesh is tested), fine meshes; the first proof ends the test. If the numbers of levels differ, level k stands for
-/// each body's level k or its coarsest. The answer is "maybe" for motions that are not usable (Verdict::usable).
-/// Re-entrant; never throws, never allocates, except that a ShapeCache may have to read a fine mesh.
+/// each body's level k or its coarsest, and a primitive is its own level. The answer is "maybe" for motions that are
+/// not usable (Verdict::usable). Re-entrant; never throws, never allocates, except that a ShapeCache may have to read a
+/// fine mesh.
 ///
 /// Bodies turn the short way between their poses, and two poses do not tell more (Motion). For true rotation add both
 /// bodies' arc_margin() to the margin.

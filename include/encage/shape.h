@@ -43,9 +43,9 @@ ShapePtr make_shape(const TriangleMesh& mesh, const ShapeOptions& options = {});
 /// fitted to the new places. That takes a twentieth of the time of make_shape() or less; queries get slower as
 /// triangles part that were neighbours in the tree (docs/performance.md). Make the shape anew after large changes.
 /// `vertices` has one row for each vertex of the fine mesh, in the body frame. Cages would no longer enclose the mesh:
-/// the result has none. Linear time. Throws Error for a compound, for a shape of a ShapeCache or without a fine mesh,
-/// for another number of vertices, and for coordinates that are not finite or beyond 1e37. Any number of threads may
-/// refit one shape.
+/// the result has none. Linear time. Throws Error for a compound, for a primitive (<encage/primitives.h>), for a shape
+/// of a ShapeCache or without a fine mesh, for another number of vertices, and for coordinates that are not finite or
+/// beyond 1e37. Any number of threads may refit one shape.
 ShapePtr refit_shape(const Shape& shape, const Vertices& vertices);
 
 /// Returns the same body stretched along the axes of its frame: x -> (scale_0 x_0, scale_1 x_1, scale_2 x_2). Negative
@@ -104,8 +104,9 @@ std::int64_t level_triangles(const Shape& shape, int level) noexcept;
 /// Returns a bound, in world units and rounded up, of how far a point of the body leaves its straight path if the body
 /// turns about its axis at uniform angular velocity: r (1 - cos(angle/2)), where r is the largest distance of a vertex
 /// from the axis through `pivot` (body frame, before scaling), and `pivot` stays on its straight path. The bound is 0
-/// for a motion without rotation. Add both bodies' bounds to a margin. The body turns the short way (Motion). The
-/// bound is infinite if a pose is not finite, mirrors or is far from rigid.
+/// for a motion without rotation, and for a ball that turns about its centre: of a primitive with a convex radius it is
+/// that of the core, which carries the rest along. Add both bodies' bounds to a margin. The body turns the short way
+/// (Motion). The bound is infinite if a pose is not finite, mirrors or is far from rigid.
 double arc_margin(const Shape& shape, const Motion& motion,
                   const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) noexcept;
 

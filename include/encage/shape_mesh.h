@@ -37,8 +37,9 @@ struct ShapeMesh {
 };
 
 /// Returns the fine mesh of a simple shape, caps included; empty spans if it has none. It is no farther than
-/// fine_error() from the source. Throws Error for a compound (take the meshes of its parts, shape_part()), and if the
-/// mesh of a ShapeCache cannot be read, which it may have to be.
+/// fine_error() from the source. Of a primitive it is the core: the body reaches convex_radius() beyond it. Throws
+/// Error for a compound (take the meshes of its parts, shape_part()), and if the mesh of a ShapeCache cannot be read,
+/// which it may have to be.
 ShapeMesh fine_mesh(const Shape& shape);
 
 /// Returns a cage of a simple shape, 0 <= level < level_count(shape), 0 being the finest. Throws Error for a compound

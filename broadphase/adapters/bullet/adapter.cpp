@@ -2,6 +2,7 @@
 #include "broadphase/adapters/bullet/pair_proof.h"
 
 #include <encage/bullet.h>
+#include <encage/primitives.h>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -197,6 +198,10 @@ BulletAdapter::~BulletAdapter() { state_->uninstall(); }
 
 void BulletAdapter::attach(const btGImpactMeshShape& mesh, ShapePtr shape) {
   if (!shape) throw Error("Bullet mesh: the shape to attach is null");
+  if (const double radius = convex_radius(*shape); radius > 0) {
+    throw Error("Bullet mesh: the shape to attach has a convex radius of " + std::to_string(radius) +
+                ", which Bullet's mesh has not: attach a mesh");
+  }
   const bullet::GImpactMesh measured = bullet::measure(mesh, *shape);
   state_->meshes.insert_or_assign(&mesh, bullet::AttachedMesh{std::move(shape), measured});
 }

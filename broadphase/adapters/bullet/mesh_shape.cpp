@@ -5,6 +5,7 @@
 #include "src/tree/visit.h"
 
 #include <encage/bullet_mesh.h>
+#include <encage/primitives.h>
 #include <encage/queries.h>
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
@@ -159,6 +160,10 @@ BulletMeshShape::BulletMeshShape(ShapePtr shape, const BulletMeshShapeOptions& o
   if (!shape_) throw Error("Bullet mesh: the shape is null");
   if (!(options.reach >= 0 && std::isfinite(options.reach))) {
     throw Error("Bullet mesh: reach " + std::to_string(options.reach) + " has to be finite and >= 0");
+  }
+  if (const double radius = convex_radius(*shape_); radius > 0) {
+    throw Error("Bullet mesh: the shape has a convex radius of " + std::to_string(radius) +
+                ", which its mesh has not: use a shape of Bullet's, e.g. btCapsuleShape");
   }
   leases_ = lease_all(*shape_);
   const TriangleMesh mesh = copy_fine(*shape_);

@@ -2,6 +2,9 @@
 #include "oracles/meshes.h"
 #include "tests/broadphase/adapters/bullet_world.h"
 
+#include <encage/error.h>
+#include <encage/primitives.h>
+
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <gtest/gtest.h>
 
@@ -252,6 +255,13 @@ struct Counting : btCollisionAlgorithm {
 };
 
 // A user's algorithm may keep contacts up to the breaking threshold, 0.02.
+TEST(BulletAdapter, RefusesShapesWithARadiusThatBulletsMeshHasNot) {
+  const Body body = body_named("box");
+  BulletMesh mesh(BulletMesh::of(body));
+  BulletWorld world(BulletContacts::all);
+  EXPECT_THROW(world.adapter->attach(mesh.shape(), make_sphere(1)), Error);
+}
+
 TEST(BulletAdapter, AsksOtherAlgorithmsUpToTheBreakingThreshold) {
   const Body body = body_named("box");
   Counting::Create create;

@@ -3,6 +3,7 @@
 #include "tests/broadphase/adapters/bullet_world.h"
 
 #include <encage/asset.h>
+#include <encage/primitives.h>
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <gtest/gtest.h>
@@ -105,6 +106,7 @@ TEST(BulletMeshShape, HasATightBoxInEveryPose) {
 
 TEST(BulletMeshShape, RefusesWhatItCannotBe) {
   EXPECT_NE(error_of([] { BulletMeshShape shape(nullptr); }).find("null"), std::string::npos);
+  EXPECT_NE(error_of([] { BulletMeshShape shape(make_sphere(2)); }).find("convex radius of 2"), std::string::npos);
   EXPECT_THROW(BulletMeshShape(make_shape(cube(1)), {.reach = -1}), Error);
   const auto shape = mesh_shape(cube(1));
   EXPECT_NE(error_of([&] { shape->setLocalScaling({1, 1, 2}); }).find("(1 1 2)"), std::string::npos);
