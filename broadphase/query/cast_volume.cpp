@@ -70,12 +70,30 @@ Touch touch_at_start(const MovingHull& hull, const TriangleD& triangle, const Hu
   return touch;
 }
 
-/// Finds when a hull begins to touch a triangle; no value if it is proven not to up to `last`. The distance is convex
-/// in time, so that the steps that an axis proves free lead to the first touch as Newton's method leads to a root,
-/// and never beyond it (compare van den Bergen 2004, "Ray casting against general convex objects").
+/// True if the axis proves that the hull does not touch the triangle up to `last`: at both ends of that way it proves a
+/// larger distance.
+bool passes_along(const Vector& axis, const MovingHull& hull, const TriangleD& triangle, double distance, double last) {
+  double low = infinity, high = -infinity;
+  for (const Vector& p : hull.points) low = std::min(low, axis.dot(p));
+  for (const Vector& p : triangle) high = std::max(high, axis.dot(p));
+  const double length = axis.norm(), room = low - high - length * distance;
+  return length * length > smallest_square && room > 0 && room + last * axis.dot(hull.way) > 0;
+}
+
+/// Finds when a hull begins to touch a triangle; no value if it is proven not to up to `last`. `axis` may show that;
+/// one that does is left there for a triangle nearby. The distance is convex in time, so that the steps that an axis
+/// proves free lead to the first touch as Newton's method leads to a root, and never beyond it (compare van den Bergen
+/// 2004, "Ray casting against general convex objects").
 std::optional<Touch> first_touch(const MovingHull& hull, const TriangleD& triangle, const TouchBounds& bounds,
-                                 double last) {
+                                 double last, Vector& axis) {
   constexpr int most_steps = 64;
+  if (passes_along(axis, hull, triangle, bounds.distance, last)) return std::nullopt;
+  // Where the hull comes nearer all the time, an axis of the end proves the whole way.
+  const HullGap end = hull_gap(hull.points, last * hull.way, -last * hull.way, triangle, bounds.distance);
+  if (end.passes) {
+    axis = end.axis;
+    return std::nullopt;
+  }
   Touch touch;
   for (int step = 0; step < most_steps; ++step) {
     const HullGap gap =
@@ -135,6 +153,13 @@ class CastSearch {
       rate_[axis] = way[axis];
     }
     radius_ = std::sqrt(squared) + wider;
+    wider_ = wider;
+    if (hull.points.size() > offsets_.size()) return;
+    for (const Vector& p : hull.points) {
+      const Vector x = part.local(p);
+      for (int axis = 0; axis < 3; ++axis) offsets_[few_][axis] = grid.coordinate(axis, x[axis]) - middle_[axis];
+      ++few_;
+    }
   }
 
   /// Looks for a touch before `state.last`, or as early in a triangle with a lower number. Nodes that the hull comes to
@@ -142,16 +167,18 @@ class CastSearch {
   void search(CastState& state) {
     struct Entry {
       double enter;
-      std::uint32_t link;
+      const MeshNode* parent;
+      std::size_t lane;
     };
     std::array<Entry, traversal_stack_size> stack;
     std::size_t size = 0;
-    stack[size++] = {0, 0};
+    stack[size++] = {0, nullptr, 0};
     while (size > 0) {
       const Entry entry = stack[--size];
-      if (entry.enter > state.last) continue;
-      const int count = MeshNode::count_of(entry.link);
-      const std::int32_t child = MeshNode::child_of(entry.link);
+      if (entry.enter > state.last || (entry.parent != nullptr && passes(*entry.parent, entry.lane, state))) continue;
+      const std::uint32_t link = entry.parent != nullptr ? entry.parent->link[entry.lane] : 0;
+      const int count = MeshNode::count_of(link);
+      const std::int32_t child = MeshNode::child_of(link);
       if (count != MeshNode::inner) {
         for (std::int32_t i = child; i < child + count; ++i) {
           consider(surface_.tree.leaves[static_cast<std::size_t>(i)], state);
@@ -166,14 +193,17 @@ class CastSearch {
       for (std::size_t lane = 0; lane < MeshNode::width; ++lane) {
         if (node.link[lane] >= MeshNode::unused_link) break;
         if (!(enter[lane] <= leave[lane] && enter[lane] <= state.last)) continue;
+        enter[lane] = later(node, lane, enter[lane]);
+        if (enter[lane] > state.last) continue;
         std::size_t place = size++;
         for (; place > bottom && stack[place - 1].enter < enter[lane]; --place) stack[place] = stack[place - 1];
-        stack[place] = {enter[lane], node.link[lane]};
+        stack[place] = {enter[lane], &node, lane};
       }
     }
   }
 
  private:
+  using Axis = std::array<double, 3>;
   static constexpr double no_way = 1e-9;  // grid steps, below what the box is widened by
 
   /// Computes between which times, from 0 on, the hull may touch what lies in the boxes and slabs. Their rounding is
@@ -225,10 +255,73 @@ class CastSearch {
     }
   }
 
+  /// Along an axis, the room between a box and the hull that is left at a time t: start + t * rate.
+  struct Room {
+    double start, rate;
+
+    double at(double t) const { return start + t * rate; }
+  };
+
+  Room room_along(const MeshNode& node, std::size_t lane, const Axis& n) const {
+    double high = 0, height = 0, rate = 0, squared = 0, within_box = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      high += n[axis] * (n[axis] > 0 ? node.upper[axis][lane] : node.lower[axis][lane]);
+      height += n[axis] * middle_[axis];
+      rate += n[axis] * rate_[axis];
+      squared += n[axis] * n[axis];
+      within_box += std::abs(n[axis]) * half_[axis];
+    }
+    // Sums that overflow prove nothing.
+    if (!(squared > 0) || !std::isfinite(height) || !std::isfinite(rate)) return {-infinity, 0};
+    const double length = std::sqrt(squared);
+    double reach = std::min(within_box, length * radius_);
+    if (few_ > 0) {
+      double least = infinity;
+      for (std::size_t i = 0; i < few_; ++i) {
+        const Axis& p = offsets_[i];
+        least = std::min(least, n[0] * p[0] + n[1] * p[1] + n[2] * p[2]);
+      }
+      reach = std::min(reach, length * wider_ - least);
+    }
+    return {height - reach * (1 + 8 * eps) - high, rate};
+  }
+
+  /// The direction from a box to the hull's middle at a time.
+  Axis from_box(const MeshNode& node, std::size_t lane, double time) const {
+    Axis toward;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double at = middle_[axis] + time * rate_[axis];
+      toward[axis] = at - std::clamp<double>(at, node.lower[axis][lane], node.upper[axis][lane]);
+    }
+    return toward;
+  }
+
+  /// Returns a time up to which the hull does not touch what lies in a box, which it does not before `time`; infinite
+  /// if it passes the box. Boxes in the order of these times lead to the first touch sooner.
+  double later(const MeshNode& node, std::size_t lane, double time) const {
+    for (int step = 0; step < 3; ++step) {
+      const Room room = room_along(node, lane, from_box(node, lane, time));
+      if (!(room.at(time) > 0)) break;
+      if (room.rate >= 0) return infinity;
+      time = std::max(time, room.start / -room.rate);
+    }
+    return time;
+  }
+
+  /// True if an axis proves that the hull does not touch what lies in a box up to `state.last`: the direction to the
+  /// hull's middle then, or the normal of the touch that is known.
+  bool passes(const MeshNode& node, std::size_t lane, const CastState& state) const {
+    const auto clear = [&](const Axis& n) {
+      const Room room = room_along(node, lane, n);
+      return room.start > 0 && room.at(state.last) > 0;
+    };
+    return clear(from_box(node, lane, state.last)) || clear(normal_);
+  }
+
   void consider(const LeafTriangle& triangle, CastState& state) {
     TriangleD corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = part_.world(surface_.vertex(triangle.vertices[k]));
-    const std::optional<Touch> touch = first_touch(hull_, corners, bounds_, state.last);
+    const std::optional<Touch> touch = first_touch(hull_, corners, bounds_, state.last, axis_);
     if (!touch) return;
     const std::int32_t number = triangle.triangle + part_.first_triangle();
     if (touch->crosses) state.overlapping = true;
@@ -238,14 +331,20 @@ class CastSearch {
     state.corners = corners;
     state.normal = touch->normal;
     state.tolerance = bounds_.tolerance;
+    const Vector local = part_.local_normal(touch->normal);
+    for (int axis = 0; axis < 3; ++axis) normal_[axis] = local[axis];
   }
 
   const PosedPart& part_;
   const Surface& surface_;
   const MovingHull& hull_;
   const TouchBounds& bounds_;
-  std::array<double, 3> lower_, upper_, middle_{}, half_{}, rate_{};
-  double radius_ = 0;
+  Axis lower_, upper_, middle_{}, half_{}, rate_{};
+  double radius_ = 0, wider_ = 0;
+  std::array<Axis, 8> offsets_{};  // points of the hull from its middle, if there are no more
+  std::size_t few_ = 0;
+  Vector axis_ = Vector::Zero();  // in the world, from the triangle before
+  Axis normal_{};
 };
 
 /// A box of a frame and how the box of a hull moves there: the first time at which they meet, within `reach`.
