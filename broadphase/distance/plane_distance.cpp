@@ -123,10 +123,12 @@ PlaneDistance part_distance(const MovingPart& part, const HalfSpace& plane, doub
   const double error = above.error() + fine_error;
   PlaneDistance result{.lower = found.height - error};
   if (found.vertex < 0) return result;
-  result.upper = found.height + error;
-  const Motion& at = part.motion;
-  result.point = at.start * (at.scale * (shape.frame.origin + shape.fine.vertex(found.vertex)));
-  result.foot = result.point - found.height * plane.normal.normalized();
+  const double scale = part.motion.scale;
+  result.upper = found.height - shape.least_radius(scale) + above.error() + shape.core_error_in_world(scale);
+  const Vector normal = plane.normal.normalized();
+  const Vector vertex = part.motion.start * (scale * (shape.frame.origin + shape.fine.vertex(found.vertex)));
+  result.point = vertex - scale * shape.convex_radius * normal;
+  result.foot = vertex - found.height * normal;
   result.vertex = part.first_vertex + found.vertex;
   return result;
 }

@@ -398,7 +398,9 @@ class VolumeCast {
         break;
       }
     }
+    const std::int32_t before = state_.triangle;
     if (!state_.overlapping) CastSearch(part, *fine, hull_, bounds).search(state_);
+    if (state_.triangle != before) convex_radius_ = convex_radius(part);
     return !state_.overlapping;
   }
 
@@ -427,7 +429,7 @@ class VolumeCast {
       result.normal = state_.normal;
       // Along the normal the hull moves away from the place of the touch, which is ill defined where it is.
       const Vector moved = result.time * hull_.way + state_.tolerance * 64 * state_.normal;
-      result.point = nearest_to_hull(hull_.points, moved, state_.corners).point;
+      result.point = nearest_to_hull(hull_.points, moved, state_.corners).point + convex_radius_ * state_.normal;
     } else {
       result.answer = CastAnswer::miss;
       result.time = 1;
@@ -436,9 +438,12 @@ class VolumeCast {
   }
 
  private:
+  static double convex_radius(const PosedPart& part) { return part.scale() * part.shape().convex_radius; }
+
   TouchBounds bounds_for(const PosedPart& part) const {
-    const double rounding = part.rounding(hull_.size);
-    return {(hull_.radius + rounding + part.fine_error()) * (1 + 8 * eps), rounding, hull_.radius};
+    const double rounding = part.rounding(hull_.size + convex_radius(part));
+    return {(hull_.radius + rounding + part.fine_error()) * (1 + 8 * eps), rounding,
+            hull_.radius + convex_radius(part)};
   }
 
   void cast_at_cage(const PosedPart& part) {
@@ -466,6 +471,7 @@ class VolumeCast {
   const CastOptions& options_;
   CastState state_;
   std::optional<double> unknown_;  // no proof from then on
+  double convex_radius_ = 0;       // in the world, of the part that is hit
 };
 
 CastResult cast_hull(const Shape& shape, const Motion& motion, std::span<const Vector> points, double radius,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "broadphase/shape/compound.h"
 #include "broadphase/shape/assemble.h"
+#include "broadphase/shape/compound.h"
 #include "broadphase/shape/height_tile.h"
 #include "src/files/number_text.h"
 #include "src/limits.h"

@@ -113,6 +113,7 @@ MeshArrays map_surface(const Surface& surface, const Stretch& stretch, const std
 }  // namespace
 
 std::shared_ptr<SimpleShape> stretched(const SimpleShape& source, const Stretch& stretch, const std::string& name) {
+  if (source.primitive) throw Error(name + "a primitive; make it anew with other sizes");
   if (source.on_demand) throw Error(name + "the mesh of a ShapeCache; load_shape() keeps it in memory");
   const Vector origin = stretch.linear * source.frame.origin;
   if (!(origin.cwiseAbs().maxCoeff() <= largest_length)) {

@@ -27,7 +27,8 @@ enum class CastAnswer : std::uint8_t {
 
 struct CastOptions {
   /// False to meet the surface alone, as if the body were hollow: volumes may begin in a solid, and in the unknown
-  /// interior of an open mesh (Solid::surface_only).
+  /// interior of an open mesh (Solid::surface_only). What lies within the convex radius of a primitive's core overlaps
+  /// it all the same.
   bool solid = true;
 };
 

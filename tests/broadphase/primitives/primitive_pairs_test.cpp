@@ -3,6 +3,7 @@
 #include "tests/broadphase/contact/ask_manifold.h"
 #include "tests/broadphase/primitives/true_body.h"
 
+#include <encage/casts.h>
 #include <encage/contact.h>
 #include <encage/distance.h>
 #include <encage/manifold.h>
@@ -259,6 +260,46 @@ TEST(PrimitivePairs, HalfSpacesBoundThem) {
         EXPECT_TRUE(apart);
       }
       EXPECT_EQ(overlaps(*body.shape, motion, plane), !separated(*body.shape, motion, plane).separated);
+      const PlaneDistance found = distance(*body.shape, motion, plane);
+      EXPECT_LE(found.lower, height + 1e-14);
+      EXPECT_GE(found.upper, height - 1e-14);
+      EXPECT_LT(found.upper - found.lower, 4 * error);
+      EXPECT_NEAR(plane.normal.dot(found.point) - plane.offset, height, 2 * error);
+      EXPECT_NEAR(plane.normal.dot(found.foot), plane.offset, 1e-12);
+    }
+  }
+}
+
+TEST(PrimitivePairs, VolumesAreCastAtThem) {
+  shapes::Random random(9);
+  for (const TrueBody& body : primitives()) {
+    SCOPED_TRACE(body.name);
+    for (int i = 0; i < 60; ++i) {
+      const Motion motion = Motion::resting(rigid_pose(random, 3), random(0.1, 2));
+      const Sphere sphere{motion.start.translation() + random(0, 6) * random_direction(random), random(0, 0.5)};
+      const Vector way = motion.start.translation() + random(0, 1) * random_direction(random) - sphere.centre;
+      const auto gap_at = [&](double t) {
+        const TrueBody ball{.name = "ball",
+                            .shape = nullptr,
+                            .triangles = {{Point(0, 0, 0), Point(0, 0, 0), Point(0, 0, 0)}},
+                            .radius = 1};
+        Motion at_time =
+            Motion::resting(Eigen::Isometry3d(Eigen::Translation3d(sphere.centre + t * way)), sphere.radius);
+        return static_cast<double>(gap(at(body, motion), at(ball, at_time)));
+      };
+      const double error = 1e-7 + 2 * motion.scale * body.error;
+      const CastResult found = cast(*body.shape, motion, sphere, way);
+      ASSERT_NE(found.answer, CastAnswer::unknown);
+      const double start = gap_at(0);
+      if (found.answer == CastAnswer::overlapping) {
+        EXPECT_LT(start, error);
+        continue;
+      }
+      EXPECT_GT(start, -error) << "overlaps at the start";
+      for (int k = 0; k < 16; ++k) EXPECT_GT(gap_at(found.time * k / 16), -1e-12) << "no touch is earlier";
+      if (found.answer == CastAnswer::miss) continue;
+      EXPECT_NEAR(gap_at(found.time), 0, error);
+      EXPECT_NEAR((found.point - (sphere.centre + found.time * way)).norm(), sphere.radius, 2 * error);
     }
   }
 }

@@ -307,6 +307,10 @@ TEST(Primitives, BadSizesAreNamed) {
   const ShapePtr box = make_box({1, 1, 1});
   EXPECT_EQ(refused([&] { refit_shape(*box, shapes::cube(2).vertices); }),
             "refit: a primitive, which has no vertices of its own; make it anew");
+  EXPECT_EQ(refused([&] {
+              scale_shape(*make_sphere(1), {1, 2, 1});
+            }),
+            "scale: a primitive; make it anew with other sizes");
 }
 
 }  // namespace
