@@ -297,6 +297,52 @@ TEST(CastVolume, NoContactIsEarlierInExactArithmetic) {
   EXPECT_LE(undecided, count / 1000) << "apart at the start, but not proven";
 }
 
+// Faces in one plane, edges that meet, volumes that slide along faces and just pass corners: all exactly.
+TEST(CastVolume, LatticeVolumesMeetFacesEdgesAndVertices) {
+  std::vector<PlacedBody> bodies;
+  for (const Body& body : query_bodies()) {
+    PlacedBody at = placed(body, Motion{});
+    if (body.origin().isZero(0) && at.solid[0] && body.diagonal() < 100) bodies.push_back(std::move(at));
+  }
+  shapes::Random random(58);
+  int hits = 0, misses = 0, overlapping = 0, early = 0, misplaced = 0;
+  for (int i = 0; i < 1'000; ++i) {
+    const PlacedBody& body = bodies[static_cast<std::size_t>(random.integer(static_cast<int>(bodies.size())))];
+    const auto lattice = [&](int most) {
+      return Vector(random.integer(2 * most + 1) - most, random.integer(2 * most + 1) - most,
+                    random.integer(2 * most + 1) - most);
+    };
+    const Vector at = 0.5 * lattice(5), half = 0.5 * lattice(2).cwiseAbs();
+    const Vector way = random.integer(2) == 0 ? Vector(8 * Vector::Unit(random.integer(3))) : lattice(6);
+    Caster caster = casting_box(shift(at[0], at[1], at[2]), half);
+    if (i % 3 == 0) caster = casting_sphere(at, half[0]);
+    if (i % 3 == 1) caster = casting_capsule(at, at + half, 0.25);
+    const CastResult found = caster.cast(body, way, {});
+    SCOPED_TRACE(body.name + ", " + caster.kind + ", " + std::to_string(i));
+    if (found.answer == CastAnswer::overlapping) {
+      EXPECT_TRUE(sweeps(body, caster, Vector::Zero()));
+      ++overlapping;
+      continue;
+    }
+    if (found.time > 0 || found.answer == CastAnswer::miss) {
+      EXPECT_FALSE(sweeps(body, caster, found.time * way));
+    }
+    if (found.answer == CastAnswer::hit) {
+      EXPECT_TRUE(sweeps(body, caster, way));
+      check_hit(body, caster, way, found, early, misplaced);
+      ++hits;
+    } else {
+      EXPECT_EQ(found.answer, CastAnswer::miss);
+      ++misses;
+    }
+  }
+  EXPECT_GT(hits, 60);
+  EXPECT_GT(misses, 60);
+  EXPECT_GT(overlapping, 60);
+  EXPECT_EQ(early, 0);
+  EXPECT_EQ(misplaced, 0);
+}
+
 TEST(CastVolume, TellsTimePointAndNormal) {
   const ShapePtr box = find(sample_bodies(), "box").shape;
   const auto expect = [&](const CastResult& found, double time, const Vector& point, const Vector& normal) {
