@@ -89,7 +89,7 @@ class AskedWorld {
     const std::size_t at = pick(bodies.size());
     const BodyId body = bodies[at];
     const bool rests = world.options(body).kind == BodyKind::static_;
-    switch (random_.integer(12)) {
+    switch (random_.integer(16)) {
       case 0:
         world.remove_body(body);
         bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(at));
@@ -107,6 +107,14 @@ class AskedWorld {
       }
       case 6:
       case 7: world.set_pose(body, pose()); break;
+      case 8: world.set_shape(shapes[pick(shapes.size())], world.shape(shapes[pick(shapes.size())])); break;
+      case 9: {
+        const WorldSnapshot before = world.snapshot();
+        world.set_pose(body, pose());
+        if (random_.integer(2) == 0) world.update_boxes();
+        world.restore(before);
+        break;
+      }
       default: {
         Motion motion = Motion::resting(world.motion(body).end);
         if (!rests) motion = random_motion(random_, motion.start, 1, 4);
