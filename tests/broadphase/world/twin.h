@@ -6,6 +6,7 @@
 #include "oracles/body.h"
 #include "oracles/sample_shapes.h"
 
+#include <encage/primitives.h>
 #include <encage/rigid_pose.h>
 #include <encage/world.h>
 
@@ -135,6 +136,10 @@ class Twin {
       add_shape(s);
       add_shape(without_cages(s));
       add_shape(without_fine(s));
+    }
+    for (const ShapePtr& primitive :
+         {make_sphere(0.5), make_capsule(0.7, 0.25), make_box({0.5, 1, 0.25}), make_cylinder(0.5, 0.75)}) {
+      add_shape(primitive);
     }
     for (int i = 0; i < 2; ++i) add_half_space();
   }
@@ -412,8 +417,9 @@ class Twin {
     spoil(p);
     return p;
   }
-  void add_shape(const Sample& sample) {
-    SharedShape s{.shape = make_shape(sample.hierarchy), .margin = shapes_.size() % 5 == 0 ? 0.1 : 0};
+  void add_shape(const Sample& sample) { add_shape(make_shape(sample.hierarchy)); }
+  void add_shape(const ShapePtr& made) {
+    SharedShape s{.shape = made, .margin = shapes_.size() % 5 == 0 ? 0.1 : 0};
     s.id = world.add_shape(s.shape, s.margin);
     shapes_.push_back(s);
   }
