@@ -58,12 +58,11 @@ ShapePtr refit_shape(const Shape& shape, const Vertices& vertices);
 ///
 /// The parts of a compound get shapes of their own: their poses stay rigid, and what the factors do to a turned part,
 /// shear included, is in its vertices. Rounding then counts as many times as much against the clearance as the factors
-/// differ: by a hundred times without harm. Parts that share a shape and are stretched in the same way go on to share
-/// one.
+/// differ: by a hundred times without harm. Parts that share a shape and are stretched alike go on to share one.
 ///
-/// Linear time, some times sooner than make_shape(). Throws Error for a factor whose size is not between 1e-50 and
-/// 1e50, for a primitive (<encage/primitives.h>), for a shape of a ShapeCache with a fine mesh (load_shape() reads one
-/// that can be stretched) and for a height field, for coordinates beyond 1e37, and if neither cages nor a fine mesh are
+/// Linear time, a tenth of that of make_shape(). Throws Error for a factor whose size is not between 1e-50 and 1e50,
+/// for a primitive (<encage/primitives.h>), for a height field, for a shape of a ShapeCache with a fine mesh
+/// (load_shape() reads one that can be stretched), for coordinates beyond 1e37, and if neither cages nor a fine mesh are
 /// left. Any number of threads may stretch one shape.
 ShapePtr scale_shape(const Shape& shape, const Eigen::Vector3d& scale);
 

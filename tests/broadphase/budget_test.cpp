@@ -7,6 +7,7 @@
 
 #include <encage/contact.h>
 #include <encage/distance.h>
+#include <encage/error.h>
 
 #include <gtest/gtest.h>
 
@@ -325,6 +326,19 @@ TEST(Budgets, EndVisitsOfTrianglePairsAndSaySo) {
   }
   EXPECT_GT(exhausted, 30);
   EXPECT_GT(complete, 30);
+}
+
+TEST(Budgets, OfTrianglePairsAreNotNegative) {
+  const ShapePtr pile = hollow(stack(2));
+  const auto visit = [](TrianglePair) { return true; };
+  std::string message = "none";
+  try {
+    const VisitEnd end = for_each_triangle_pair(*pile, {}, *pile, {}, TrianglePairOptions{.most_steps = -1}, visit);
+    EXPECT_EQ(end, VisitEnd::complete);
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(message, "triangle pairs: most_steps is -1, below 0");
 }
 
 TEST(Budgets, OfTrianglePairsEndByDefault) {
