@@ -62,8 +62,8 @@ ShapePtr refit_shape(const Shape& shape, const Vertices& vertices);
 ///
 /// Linear time, a tenth of that of make_shape(). Throws Error for a factor whose size is not between 1e-50 and 1e50,
 /// for a primitive (<encage/primitives.h>), for a height field, for a shape of a ShapeCache with a fine mesh
-/// (load_shape() reads one that can be stretched), for coordinates beyond 1e37, and if neither cages nor a fine mesh are
-/// left. Any number of threads may stretch one shape.
+/// (load_shape() reads one that can be stretched), for coordinates beyond 1e37, and if neither cages nor a fine mesh
+/// are left. Any number of threads may stretch one shape.
 ShapePtr scale_shape(const Shape& shape, const Eigen::Vector3d& scale);
 
 /// Maps an asset and uses it in place, trees included. The file must not be overwritten or truncated while the shape
