@@ -16,6 +16,21 @@ using Json = nlohmann::ordered_json;
 
 std::string percent(std::optional<double> value) { return value ? format("%.3f %%", 100 * *value) : "–"; }
 
+/// The text in lines of at most 120 characters.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t width = 120;
+  std::istringstream words(text);
+  std::string result, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && line.size() + 1 + word.size() > width) {
+      result += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return result + line;
+}
+
 /// Of the layers that have both figures.
 std::optional<double> worst_ratio(const Outcome& outcome) {
   std::optional<double> worst;
@@ -54,7 +69,7 @@ std::string to_markdown(const Job& job, const Outcome& outcome) {
     out << " Largest excess beside a single cage's: " << format("%.2f", *worst) << " times.";
   }
   out << "\n";
-  if (!outcome.failure.empty()) out << "\nNot made: " << outcome.failure << "\n";
+  if (!outcome.failure.empty()) out << "\n" << wrapped("Not made: " + outcome.failure) << "\n";
   return out.str();
 }
 
