@@ -160,27 +160,35 @@ SignedDistance signed_of(const CompoundShape& compound, const Motion& motion, co
   return result;
 }
 
+/// Answers each point by of_part(part, point) or, of a compound, by of_compound(motion, point). A point that cannot be
+/// asked about gets the answer that a new result holds.
+template <class Answer, class OfPart, class OfCompound>
+void answer_each(const Shape& shape, const Motion& motion, std::span<const Vector> points, std::span<Answer> results,
+                 double limit, OfPart&& of_part, OfCompound&& of_compound) {
+  const std::size_t count = std::min(points.size(), results.size());
+  const Motion at = start_of(motion);
+  const bool usable = is_usable(at) && limit > 0;
+  const auto each = [&](const auto& answer) {
+    for (std::size_t i = 0; i < count; ++i) results[i] = usable && is_usable(points[i]) ? answer(points[i]) : Answer{};
+  };
+  if (shape.is_compound()) {
+    each([&](const Vector& p) { return of_compound(at, p); });
+    return;
+  }
+  FineLease lease;
+  fine_surface(shape.simple(), lease);
+  const PosedPart part(MovingPart{&shape.simple(), at});
+  each([&](const Vector& p) { return of_part(part, p); });
+}
+
 }  // namespace
 
 void closest_points(const Shape& shape, const Motion& motion, std::span<const Vector> points,
                     std::span<ClosestPoint> results, const ClosestPointOptions& options) noexcept {
-  const std::size_t count = std::min(points.size(), results.size());
-  const Motion at = start_of(motion);
-  const bool usable = is_usable(at) && options.limit > 0;
-  FineLease lease;
-  if (!shape.is_compound()) fine_surface(shape.simple(), lease);
-  const MovingPart simple{shape.is_compound() ? nullptr : &shape.simple(), at};
-  const auto each = [&](const auto& answer) {
-    for (std::size_t i = 0; i < count; ++i) {
-      results[i] = usable && is_usable(points[i]) ? answer(points[i]) : ClosestPoint{};
-    }
-  };
-  if (shape.is_compound()) {
-    each([&](const Vector& p) { return closest_of(shape.compound(), at, p, options.limit); });
-  } else {
-    const PosedPart part(simple);
-    each([&](const Vector& p) { return ask(part, p, options.limit, false).closest; });
-  }
+  answer_each(
+      shape, motion, points, results, options.limit,
+      [&](const PosedPart& part, const Vector& p) { return ask(part, p, options.limit, false).closest; },
+      [&](const Motion& at, const Vector& p) { return closest_of(shape.compound(), at, p, options.limit); });
 }
 
 ClosestPoint closest_point(const Shape& shape, const Motion& motion, const Vector& point,
@@ -192,26 +200,13 @@ ClosestPoint closest_point(const Shape& shape, const Motion& motion, const Vecto
 
 void signed_distances(const Shape& shape, const Motion& motion, std::span<const Vector> points,
                       std::span<SignedDistance> results, const ClosestPointOptions& options) noexcept {
-  const std::size_t count = std::min(points.size(), results.size());
-  const Motion at = start_of(motion);
-  const bool usable = is_usable(at) && options.limit > 0;
-  FineLease lease;
-  if (!shape.is_compound()) fine_surface(shape.simple(), lease);
-  const MovingPart simple{shape.is_compound() ? nullptr : &shape.simple(), at};
-  const auto each = [&](const auto& answer) {
-    for (std::size_t i = 0; i < count; ++i) {
-      results[i] = usable && is_usable(points[i]) ? answer(points[i]) : SignedDistance{};
-    }
-  };
-  if (shape.is_compound()) {
-    each([&](const Vector& p) { return signed_of(shape.compound(), at, p, options.limit); });
-  } else {
-    const PosedPart part(simple);
-    each([&](const Vector& p) {
-      const PartPoint found = ask(part, p, options.limit, true);
-      return with_sign(found.closest, found.side);
-    });
-  }
+  answer_each(
+      shape, motion, points, results, options.limit,
+      [&](const PosedPart& part, const Vector& p) {
+        const PartPoint found = ask(part, p, options.limit, true);
+        return with_sign(found.closest, found.side);
+      },
+      [&](const Motion& at, const Vector& p) { return signed_of(shape.compound(), at, p, options.limit); });
 }
 
 SignedDistance signed_distance(const Shape& shape, const Motion& motion, const Vector& point,
