@@ -83,6 +83,7 @@ void add_fields() {
     const std::vector<float> heights = hills(large);
     ShapePtr shape;
     for (auto _ : state) shape = field_of(heights, large, std::int64_t{64} << 20);
+    state.SetItemsProcessed(state.iterations());
     state.counters["bytes_a_sample"] = static_cast<double>(memory_use(*shape).owned) / (double{large} * large);
   })->Unit(benchmark::kMillisecond);
   benchmark::RegisterBenchmark("field/tile", [](benchmark::State& state) {
@@ -93,6 +94,7 @@ void add_fields() {
       benchmark::DoNotOptimize(fine_mesh(*shape_part(*shape, part).shape).vertices.data());
       part = (part + 1) % part_count(*shape);
     }
+    state.SetItemsProcessed(state.iterations());
   })->Unit(benchmark::kMicrosecond);
   benchmark::RegisterBenchmark("field/ray/tiles", [](benchmark::State& state) { cast_all(state, &Terrain::tiles); });
   benchmark::RegisterBenchmark("field/ray/mesh", [](benchmark::State& state) { cast_all(state, &Terrain::mesh); });
