@@ -79,7 +79,7 @@ std::shared_ptr<SimpleShape> rounded_segment(const Eigen::Vector3d& a, const Eig
     ends.push_back(b);
     triangle << 0, 1, 1;
   }
-  const auto shape = make_primitive(primitive_mesh(ends, triangle), 0, radius, true);
+  auto shape = make_primitive(primitive_mesh(ends, triangle), 0, radius, true);
   const double length = (b - a).norm(), squared = radius * radius;
   const double tube = pi * squared * length, ball = 4 * pi / 3 * squared * radius;
   const double around = tube * squared / 2 + ball * 2 * squared / 5;
@@ -156,7 +156,7 @@ ShapePtr make_box(const Eigen::Vector3d& half) {
     const Eigen::Vector3d sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
     corners.emplace_back(sign.cwiseProduct(half));
   }
-  const auto shape = make_primitive(primitive_mesh(corners, box_triangles()), 0, 0, false);
+  auto shape = make_primitive(primitive_mesh(corners, box_triangles()), 0, 0, false);
   const double volume = 8 * half.prod();
   const Eigen::Vector3d squares = half.cwiseAbs2() * (volume / 3);
   shape->known_moments = moments_about(*shape, Eigen::Vector3d::Zero(), volume, Eigen::Matrix3d::Identity(),
@@ -180,7 +180,7 @@ ShapePtr make_cylinder(double half_height, double radius, int sides) {
   }
   // Sines and cosines are off by 1e-12.
   const double error = std::max(corner - radius, radius - corner * cosine) + 8e-12 * radius;
-  const auto shape = make_primitive(primitive_mesh(vertices, prism_triangles(sides)), error, 0, false);
+  auto shape = make_primitive(primitive_mesh(vertices, prism_triangles(sides)), error, 0, false);
   const double squared = radius * radius, volume = 2 * pi * squared * half_height;
   const double across = volume * (squared / 4 + half_height * half_height / 3);
   shape->known_moments = moments_about(*shape, Eigen::Vector3d::Zero(), volume, Eigen::Matrix3d::Identity(),

@@ -80,6 +80,61 @@ bool passes_along(const Vector& axis, const MovingHull& hull, const TriangleD& t
   return length * length > smallest_square && room > 0 && room + last * axis.dot(hull.way) > 0;
 }
 
+/// Projections of hull and triangle on an axis that leads from the triangle to the hull.
+struct AxisRoom {
+  double room = 0;  ///< beyond the distance, at the start, times the axis' length
+  double rate = 0;  ///< how fast it grows
+};
+
+AxisRoom room_along(const Vector& axis, const MovingHull& hull, const TriangleD& triangle, double distance) {
+  double low = infinity, high = -infinity;
+  for (const Vector& p : hull.points) low = std::min(low, axis.dot(p));
+  for (const Vector& p : triangle) high = std::max(high, axis.dot(p));
+  return {low - high - axis.norm() * distance, axis.dot(hull.way)};
+}
+
+/// Next to a touch an axis between two points is rounding, which tilts it along edges and faces that lie side by side.
+/// Finds one at right angles to one or two edges of the triangle or lines between points of the hull, of those that are
+/// nearly so, that proves the hull to be apart for longer than up to `time`; 0 if there is none.
+Vector straightened(const Vector& axis, const MovingHull& hull, const TriangleD& triangle, double distance,
+                    double time) {
+  constexpr double nearly = 1e-3;  // the cosine of almost a right angle
+  constexpr std::size_t few = 8;   // points of a hull whose lines are tried
+  std::array<Vector, 3 + few*(few - 1) / 2> edges;
+  std::size_t count = 0;
+  const auto collect = [&](const Vector& edge) {
+    const double squared = edge.squaredNorm(), along = axis.dot(edge);
+    if (squared > smallest_square && along * along < nearly * nearly * squared * axis.squaredNorm()) {
+      edges[count++] = edge;
+    }
+  };
+  for (std::size_t k = 0; k < 3; ++k) collect(triangle[(k + 1) % 3] - triangle[k]);
+  for (std::size_t i = 0; i < std::min(hull.points.size(), few); ++i) {
+    for (std::size_t j = 0; j < i; ++j) collect(hull.points[i] - hull.points[j]);
+  }
+  Vector best = Vector::Zero();
+  double latest = time;
+  const auto consider = [&](const Vector& straight) {
+    const AxisRoom of = room_along(straight, hull, triangle, distance);
+    if (!(of.room + time * of.rate > 0)) return;
+    const double until = of.rate < 0 ? of.room / -of.rate : infinity;
+    if (!(until > latest)) return;
+    latest = until;
+    best = straight;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    consider(axis - axis.dot(edges[i]) / edges[i].squaredNorm() * edges[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vector across = edges[i].cross(edges[j]);
+      // Of lines that are nearly parallel it is rounding itself.
+      if (across.squaredNorm() > nearly * nearly * edges[i].squaredNorm() * edges[j].squaredNorm()) {
+        consider(axis.dot(across) > 0 ? across : Vector(-across));
+      }
+    }
+  }
+  return best;
+}
+
 /// Finds when a hull begins to touch a triangle; no value if it is proven not to up to `last`. `axis` may show that;
 /// one that does is left there for a triangle nearby. The distance is convex in time, so that the steps that an axis
 /// proves free lead to the first touch as Newton's method leads to a root, and never beyond it (compare van den Bergen
@@ -100,13 +155,29 @@ std::optional<Touch> first_touch(const MovingHull& hull, const TriangleD& triang
         hull_gap(hull.points, touch.time * hull.way, (last - touch.time) * hull.way, triangle, bounds.distance);
     if (gap.passes) return std::nullopt;
     if (step > 0 && gap.upper <= bounds.distance + bounds.tolerance) return touch;
-    const double rate = gap.axis.dot(hull.way);
-    const double room = gap.low - gap.high - gap.length * bounds.distance;  // at the start, along the axis
-    if (!(room + touch.time * rate > 0)) return step == 0 ? touch_at_start(hull, triangle, gap, bounds) : touch;
+    Vector along = gap.axis;
+    AxisRoom of{gap.low - gap.high - gap.length * bounds.distance, gap.axis.dot(hull.way)};
+    const bool proves = of.room + touch.time * of.rate > 0;
+    if (!proves && step == 0) return touch_at_start(hull, triangle, gap, bounds);
+    // A good axis proves a fair share of the way that is left at least. Otherwise the last one may, once straight.
+    const double left = (gap.upper - bounds.distance) / hull.way.norm();
+    bool found = proves;
+    if (!proves || (step > 0 && of.rate < 0 && of.room / -of.rate < touch.time + 0.1 * left)) {
+      for (const Vector& tilted : {gap.axis, touch.normal}) {
+        const Vector straight = straightened(tilted, hull, triangle, bounds.distance, touch.time);
+        const AxisRoom other = room_along(straight, hull, triangle, bounds.distance);
+        if (straight.isZero(0) || (found && other.rate < 0 && !(other.room / -other.rate > of.room / -of.rate)))
+          continue;
+        found = true;
+        along = straight;
+        of = other;
+      }
+    }
+    if (!found) return touch;
     // The axis proves the whole way up to here.
-    const double next = room / -rate;
-    if (rate >= 0 || next > last) return std::nullopt;
-    touch.normal = gap.axis / gap.length;
+    const double next = of.room / -of.rate;
+    if (of.rate >= 0 || next > last) return std::nullopt;
+    touch.normal = along.normalized();
     if (!(next > touch.time)) return touch;
     touch.time = next;
   }

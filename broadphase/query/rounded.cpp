@@ -22,7 +22,7 @@ Eigen::Vector3d core_corner(const Surface& core, std::int32_t triangle, int k) {
 Eigen::Vector3d outward_at(const Surface& core, const SurfacePoint& at) {
   const Eigen::Vector3d a = core_corner(core, at.triangle, 0), b = core_corner(core, at.triangle, 1),
                         c = core_corner(core, at.triangle, 2);
-  const Eigen::Vector3d normal = unit_normal({a, b, c});
+  Eigen::Vector3d normal = unit_normal({a, b, c});
   if (!normal.isZero(0)) return normal;
   const Eigen::Vector3d way = a == b ? Eigen::Vector3d(c - a) : Eigen::Vector3d(b - a);
   return way.isZero(0) ? Eigen::Vector3d::UnitX() : Eigen::Vector3d(way.stableNormalized().unitOrthogonal());

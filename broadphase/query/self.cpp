@@ -111,7 +111,7 @@ SelfDistance part_self_distance(const Surface& surface, const SelfDistanceOption
 }
 
 /// Adds the result of a part, which is placed at rest.
-void add(SelfDistance& all, SelfDistance part, const MovingPart& at, bool exact) {
+void add(SelfDistance& all, const SelfDistance& part, const MovingPart& at, bool exact) {
   // The pose of a part is within 1e-10 of rigid, and the scale rounds.
   const double scale = at.motion.scale, off = exact ? 0 : 2e-10;
   all.lower = std::min(all.lower, scale * part.lower * (1 - off));

@@ -18,7 +18,8 @@ constexpr std::int32_t half_tile = HeightGrid::tile_cells / 2;
 constexpr std::int32_t window = HeightGrid::tile_cells + 3;
 
 std::size_t in_window(std::int32_t column, std::int32_t row) {
-  return static_cast<std::size_t>((row + 1) * window + column + 1);
+  const std::int32_t place = (row + 1) * window + column + 1;
+  return static_cast<std::size_t>(place);
 }
 
 /// Returns fl(x + y), and the error of the sum by Knuth's algorithm.

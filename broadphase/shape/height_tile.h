@@ -61,7 +61,8 @@ class HeightGrid {
   /// Local coordinates of the samples -1 to tile_cells + 1 of any tile: the same in all tiles, so that tiles share
   /// their border exactly. The local origin is tile_cells / 2 spacings beyond the tile's first sample.
   float local(int axis, std::int32_t sample) const {
-    return local_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(sample + 1)];
+    const std::int32_t index = sample + 1;
+    return local_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(index)];
   }
   /// Returns the place of a tile's local origin; `first` is the tile's first sample along the axis, `error` gets the
   /// rounding of the sum.

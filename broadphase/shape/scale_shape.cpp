@@ -128,7 +128,7 @@ std::shared_ptr<SimpleShape> stretched(const SimpleShape& source, const Stretch&
   MeshArrays fine;
   if (!source.fine.empty()) fine = map_surface(source.fine, stretch, name + "the fine mesh", rounded);
   const double error = (stretch.longest * source.fine_error + off + rounded.after) * (1 + 1e-12);
-  const auto result = describe({origin, source.solid, error}, 0, {.hollow = source.hollow});
+  auto result = describe({origin, source.solid, error}, 0, {.hollow = source.hollow});
   if (!source.fine.empty()) {
     result->known_parts = source.part_of_vertex();
     if (source.feature_bytes() > 0 && !stretch.mirrors) result->known_twin = source.features().twin;

@@ -215,7 +215,7 @@ std::shared_ptr<SimpleShape> make_primitive(const TriangleMesh& core, double err
   const Eigen::Vector3d origin = local_origin(box);
   fine.vertices.rowwise() -= origin.transpose();
   const double rounded = round_vertices(fine);
-  const auto shape = describe({origin, Solid::closed, (error + rounded) * (1 + 4 * eps)}, 0, {.hollow = flat});
+  auto shape = describe({origin, Solid::closed, (error + rounded) * (1 + 4 * eps)}, 0, {.hollow = flat});
   shape->primitive = true;
   shape->convex_radius = convex_radius;
   // Bounds in the tree have the core's extent as their unit. That of a point is 0, beside which all others are too

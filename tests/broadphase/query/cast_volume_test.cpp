@@ -306,11 +306,12 @@ TEST(CastVolume, LatticeVolumesMeetFacesEdgesAndVertices) {
   }
   shapes::Random random(58);
   int hits = 0, misses = 0, overlapping = 0, early = 0, misplaced = 0;
-  for (int i = 0; i < 1'000; ++i) {
+  for (int i = 0; i < question_count("ENCAGE_LATTICE_CASTS", 1'000); ++i) {
     const PlacedBody& body = bodies[static_cast<std::size_t>(random.integer(static_cast<int>(bodies.size())))];
     const auto lattice = [&](int most) {
-      return Vector(random.integer(2 * most + 1) - most, random.integer(2 * most + 1) - most,
-                    random.integer(2 * most + 1) - most);
+      Vector point;
+      for (double& x : point) x = random.integer(2 * most + 1) - most;
+      return point;
     };
     const Vector at = 0.5 * lattice(5), half = 0.5 * lattice(2).cwiseAbs();
     const Vector way = random.integer(2) == 0 ? Vector(8 * Vector::Unit(random.integer(3))) : lattice(6);
