@@ -482,7 +482,8 @@ TEST(PairContact, CountsTestsAndSaysHowLate) {
 }
 
 TEST(FirstContact, RefusesMotionsThatAreNotUsable) {
-  const Body& box = find(bodies(), "box");
+  const std::vector<Body> all = bodies();
+  const Body& box = find(all, "box");
   const Shape& shape = *box.shape;
   const Motion rest = Motion::resting(Pose::Identity());
   struct Case {
