@@ -31,7 +31,7 @@ std::string wrapped(const std::string& text) {
   return result + line;
 }
 
-/// Of the layers that have both figures.
+/// Returns the largest ratio of a layer's excess to that of a single cage; no value if no layer has both.
 std::optional<double> worst_ratio(const Outcome& outcome) {
   std::optional<double> worst;
   for (const Layer& layer : outcome.layers) {

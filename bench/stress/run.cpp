@@ -16,7 +16,7 @@ namespace {
 
 double excess(double volume, double before) { return before > 0 ? volume / before - 1 : 0; }
 
-/// Of one cage with that many faces around a mesh; no value if none is made.
+/// Returns the excess of one cage with that many faces around a mesh; no value if none can be made.
 std::optional<double> single_excess(const TriangleMesh& inner, std::int64_t faces, const Job& job, int threads) {
   BakeOptions options = job.options;
   options.faces = {faces};

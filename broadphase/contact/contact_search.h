@@ -91,7 +91,7 @@ struct ContactQuery {
   double approach = 0;                  ///< bounds how far surfaces approach each other during the step
   std::span<const ContactSide> sides;   ///< of the query before, sorted by feature
   std::vector<ContactSide>& new_sides;  ///< those of this one are appended, in no order
-  /// Whether parts that touch in a way that no rule expects get a contact nevertheless.
+  /// If true, parts that touch in a way that no rule expects get a contact nevertheless.
   bool with_last_resort = true;
 };
 

@@ -226,7 +226,7 @@ DistanceResult distance(const Shape& a, const Motion& motion_a, const Shape& b, 
     nearest.exhausted = exhausted && nearest.upper > 0;
     return nearest.upper > 0;
   };
-  // Of many parts most are too far: two near ones tell how far.
+  // Most of many parts are too far away: the distance of two near ones tells which.
   constexpr std::int64_t many = 32;
   if (part_count(a) > many || part_count(b) > many) {
     const MovingPart near_a = near_part(a, at_a, world_box(b, at_b));

@@ -58,7 +58,7 @@ ShapeCastResult answered(CastAnswer answer, double time, const std::optional<Con
   return result;
 }
 
-/// What the surfaces tell.
+/// Answers for the surfaces alone.
 ShapeCastResult from_surfaces(const std::optional<Contact>& contact) {
   if (!contact) return answered(CastAnswer::miss, 1, contact);
   if (contact->overlapping) return answered(CastAnswer::overlapping, 0, contact);

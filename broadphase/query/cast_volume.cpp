@@ -27,7 +27,7 @@ struct MovingHull {
   double size = 0;                 ///< bounds the norms of points on the way, with the radius
 };
 
-/// Where a hull begins to touch a triangle.
+/// The beginning of a contact of a hull and a triangle.
 struct Touch {
   double time = 0;
   Vector normal = Vector::Zero();
@@ -126,7 +126,7 @@ Vector straightened(const Vector& axis, const MovingHull& hull, const TriangleD&
     consider(axis - axis.dot(edges[i]) / edges[i].squaredNorm() * edges[i]);
     for (std::size_t j = 0; j < i; ++j) {
       const Vector across = edges[i].cross(edges[j]);
-      // Of lines that are nearly parallel it is rounding itself.
+      // The product of lines that are nearly parallel is rounding itself.
       if (across.squaredNorm() > nearly * nearly * edges[i].squaredNorm() * edges[j].squaredNorm()) {
         consider(axis.dot(across) > 0 ? across : Vector(-across));
       }
@@ -143,7 +143,7 @@ std::optional<Touch> first_touch(const MovingHull& hull, const TriangleD& triang
                                  double last, Vector& axis) {
   constexpr int most_steps = 64;
   if (passes_along(axis, hull, triangle, bounds.distance, last)) return std::nullopt;
-  // Where the hull comes nearer all the time, an axis of the end proves the whole way.
+  // If the hull comes nearer all the time, an axis that parts them at the end proves the whole way.
   const HullGap end = hull_gap(hull.points, last * hull.way, -last * hull.way, triangle, bounds.distance);
   if (end.passes) {
     axis = end.axis;
@@ -184,7 +184,7 @@ std::optional<Touch> first_touch(const MovingHull& hull, const TriangleD& triang
   return touch;
 }
 
-/// What a cast knows of a body so far.
+/// The earliest touch that a cast has found so far.
 struct CastState {
   double last = 1;  ///< no later touch is of interest
   std::int32_t triangle = -1;

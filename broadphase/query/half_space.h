@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-// What a half-space answers to the queries of <encage/queries.h>. Rounding is at most 1e-13 times the sum of |offset|
+// A half-space answers the queries of <encage/queries.h> here. Rounding is at most 1e-13 times the sum of |offset|
 // and of the norm of what is asked.
 namespace encage {
 

@@ -190,9 +190,9 @@ bool LevelWork::topology_suits(const Certificate& certificate, const Candidate& 
   const bool keeps = options_.topology == Topology::keep;
   const bool suits = certificate.no_new_handles != false && !(keeps && job_.genus && certificate.genus != *job_.genus);
   if (!suits) {
-    handles_ = "no cage of " + std::to_string(job_.request.faces) + " faces has " + (keeps ? "the " : "at most the ") +
-               std::to_string(job_.genus.value_or(0)) + " handles of the level before: that from " + candidate.start +
-               " has " + std::to_string(certificate.genus);
+    handles_ = "no cage of " + std::to_string(job_.request.faces) + " faces has " + (keeps ? "" : "at most ") +
+               "genus " + std::to_string(job_.genus.value_or(0)) + ", that of the level before: the cage from " +
+               candidate.start + " has genus " + std::to_string(certificate.genus);
     journal_.add("candidate refused: " + handles_);
   }
   return suits;
